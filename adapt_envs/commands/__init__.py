@@ -1,0 +1,1 @@
+"""Subcommands of the command line `adaptnet` that need no learner."""

@@ -1,0 +1,1 @@
+"""The character and its ground as MuJoCo models."""

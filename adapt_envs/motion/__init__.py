@@ -1,0 +1,1 @@
+"""Reference motions: clips, their synthesis and their import."""

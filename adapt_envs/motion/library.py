@@ -1,0 +1,163 @@
+"""The clips that ship, and what environments draw from clips: start states and reference windows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from adapt_envs.features import WINDOW_FRAMES, heading_frame_features, pose_windows
+from adapt_envs.kinematics import Kinematics
+from adapt_envs.model.build import compile_model
+from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.motion.clip import MotionClip, MotionError, velocities
+from adapt_envs.resources import asset_path
+
+BASES = ("walk", "run")
+"""Clips of minutes that bases are trained on."""
+STYLES = (
+    "Swaggering", "GooseStep", "Stomp", "Kicking", "Stoop", "JauntySkip",
+    "Sashay", "Limp", "Pace", "Penguin", "Strutting", "Joyful",
+)  # fmt: skip
+"""The twelve styles of the paper's Table 1, one or two gait cycles each."""
+CLIPS = {name: f"motions/{name.lower()}.npz" for name in (*BASES, *STYLES)}
+"""Every clip that ships, by name: its file under `assets/`."""
+_PAST = WINDOW_FRAMES - 1
+
+
+@lru_cache(maxsize=32)
+def load_clip(name_or_file: str) -> MotionClip:
+    """A shipped clip by name, or a clip file (`.npz`) by path.
+
+    Raises:
+        MotionError: for a name that is neither, listing the names that ship, or for an unusable file.
+    """
+    by_name = {name.lower(): path for name, path in CLIPS.items()}
+    if name_or_file.lower() in by_name:
+        return MotionClip.load(asset_path(by_name[name_or_file.lower()]))
+    if Path(name_or_file).suffix != ".npz" and not Path(name_or_file).exists():
+        raise MotionError(f"no motion named {name_or_file!r}; names are {', '.join(CLIPS)}, or give a clip's .npz file")
+    return MotionClip.load(name_or_file)
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """Consecutive frames of a clip with the ones a window at its first frame needs before them."""
+
+    qpos: NDArray[np.float64]
+    qvel: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, clip: MotionClip) -> "_Frames":
+        frames = np.arange(-_PAST if clip.cyclic else 0, clip.period)
+        if not clip.cyclic:
+            return cls(clip.qpos, clip.qvel)
+        return cls(clip.at(frames), velocities(clip.at(frames - 1), clip.at(frames + 1), 2 * CONTROL_DT))
+
+
+class ReferenceMotion:
+    """Start states and pose windows of clips, for one character.
+
+    The windows are always the unmodified character's; the start states are `model`'s: missing joints are left out, and
+    the feet of other legs are put where the clip's were (paper, sec. 8.2: motions are not retargeted).
+    """
+
+    def __init__(self, clips: Sequence[MotionClip], model: mujoco.MjModel) -> None:
+        """Prepare `clips` for `model`.
+
+        Raises:
+            MotionError: if a clip does not know one of the model's joints.
+        """
+        self.clips = tuple(clips)
+        self.model = model
+        self.joint_names = tuple(model.actuator(i).name for i in range(model.nu))
+        for clip in clips:
+            missing = [joint for joint in self.joint_names if joint not in clip.joint_names]
+            if missing:
+                raise MotionError(f"clip {clip.name!r} lacks the joints {', '.join(missing)}")
+        parts = [_Frames.of(clip) for clip in clips]
+        starts = np.cumsum([0, *(len(part.qpos) for part in parts)])[:-1]
+        self._valid = np.concatenate([np.arange(s + _PAST, s + len(p.qpos)) for s, p in zip(starts, parts, strict=True)])
+        self._clip_qpos = np.concatenate([part.qpos for part in parts])
+        self._clip_qvel = np.concatenate([part.qvel for part in parts])
+
+    @cached_property
+    def _qpos(self) -> NDArray[np.float64]:
+        qpos = self._clip_qpos[:, self._columns(7)]
+        lift = _lowest_foot(_plain_model(), self._clip_qpos) - _lowest_foot(self.model, qpos)
+        qpos[:, 2] += lift
+        return qpos
+
+    @cached_property
+    def _qvel(self) -> NDArray[np.float64]:
+        return self._clip_qvel[:, self._columns(6)]
+
+    def _columns(self, root: int) -> list[int]:
+        names = self.clips[0].joint_names
+        return [*range(root), *(root + names.index(joint) for joint in self.joint_names)]
+
+    @cached_property
+    def _links(self) -> NDArray[np.float32]:
+        return Kinematics(self.model).link_states(self._qpos, self._qvel)
+
+    @cached_property
+    def _windows(self) -> NDArray[np.float32]:
+        links = Kinematics(_plain_model()).link_states(self._clip_qpos, self._clip_qvel)
+        return pose_windows(heading_frame_features(links[self._valid[:, None] + np.arange(-_PAST, 1)]))
+
+    @property
+    def num_states(self) -> int:
+        """Number of start states."""
+        return len(self._valid)
+
+    def states(
+        self, chosen: NDArray[np.integer]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
+        """Start states by number, each moved over the world's origin.
+
+        Args:
+            chosen: (n,) numbers below `num_states`.
+
+        Returns:
+            qpos (n, nq), qvel (n, nv), and the link histories (n, 5, 15, 13) that end in these states, world frame.
+        """
+        rows = self._valid[chosen]
+        qpos, qvel = self._qpos[rows].copy(), self._qvel[rows]
+        history = self._links[rows[:, None] + np.arange(-_PAST, 1)]
+        history[..., :2] -= qpos[:, None, None, :2].astype(np.float32)
+        qpos[:, :2] = 0
+        return qpos, qvel, history
+
+    def sample_windows(self, n: int, rng: np.random.Generator) -> NDArray[np.float32]:
+        """`n` pose windows (n, 5, 15, 7) of the clips, uniformly over time."""
+        return self._windows[rng.integers(len(self._windows), size=n)]
+
+    @cached_property
+    def mean_pose(self) -> NDArray[np.float64]:
+        """(nu,) mean joint angles as an action: (q - middle of the range) / width of the range."""
+        low, high = self.model.jnt_range[1:].T
+        return (self._qpos[:, 7:].mean(axis=0) - (low + high) / 2) / (high - low)
+
+
+@lru_cache(maxsize=1)
+def _plain_model() -> mujoco.MjModel:
+    return compile_model()
+
+
+def _lowest_foot(model: mujoco.MjModel, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T,) height [m] of the lowest corner of the feet's boxes in configurations (T, nq)."""
+    links = Kinematics(model).link_states(qpos)
+    lowest = np.full(len(qpos), np.inf)
+    for geom in range(model.ngeom):
+        if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_BOX or not model.geom(geom).name.endswith("foot"):
+            continue
+        link = links[:, model.geom_bodyid[geom] - 1]
+        w, x, y, z = link[:, 3:7].T
+        # Third row of the rotation matrix: how much each local axis adds to the height.
+        up = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)
+        centre = link[:, 2] + up @ model.geom_pos[geom]
+        lowest = np.minimum(lowest, centre - np.abs(up) @ model.geom_size[geom])
+    return lowest

@@ -1,0 +1,145 @@
+"""Trajectories of the feet: flat on the ground, rolling over heel and toe edge, swinging to the next place."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from adapt_envs.motion.synthesis.gait import Gait, Kick
+
+Array = NDArray[np.float64]
+SOLE, TOE, HEEL = 0.05, 0.1335, 0.0435
+"""The foot's box about the ankle [m]: sole below, toe edge ahead, heel edge behind."""
+_FLAT = 0.11
+"""Time from heel strike to foot flat [s]: some 12 % of a cycle (Perry)."""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Contacts of the feet with the ground in the order of their beginnings; arrays of length n.
+
+    Attributes:
+        side: 0 right, 1 left.
+        pos: (n, 2) place of the ankle when the foot is flat [m].
+        yaw: direction of the foot [rad].
+        on, off: when it touches and leaves the ground [s].
+        length: distance from the previous contact [m].
+    """
+
+    side: NDArray[np.int64]
+    pos: Array
+    yaw: Array
+    on: Array
+    off: Array
+
+    def single(self, k: int) -> tuple[float, float]:
+        """When contact k carries alone: from the previous foot's leaving to the next one's strike."""
+        begin = max(self.on[k], self.off[k - 1]) if k > 0 else self.on[k]
+        end = min(self.off[k], self.on[k + 1]) if k + 1 < len(self.on) else self.off[k]
+        return float(begin), float(max(end, begin))
+
+
+def hermite(u: Array, start: Array, end: Array) -> Array:
+    """Quintic with value, slope and curvature `start` (3, ...) at u = 0 and `end` at u = 1, at u (T,): (T, ...)."""
+    p0, v0, a0 = start
+    p1, v1, a1 = end
+    rise, slope, bend = p1 - p0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
+    c3, c4, c5 = 10 * rise - 4 * slope + bend / 2, -15 * rise + 7 * slope - bend, 6 * rise - 3 * slope + bend / 2
+    u = u.reshape(-1, *np.ones(np.ndim(p0), dtype=int))
+    return p0 + u * (v0 + u * (a0 / 2 + u * (c3 + u * (c4 + u * c5))))
+
+
+def bump(u: Array, peak: float = 0.5, sharpness: float = 3.0) -> Array:
+    """A smooth hill over u in [0, 1]: 0 with flat ends, 1 at `peak`."""
+    rise = sharpness * max(1.0, peak / (1 - peak))
+    fall = rise * (1 - peak) / peak
+    u = np.clip(u, 0, 1)
+    return (u / peak) ** rise * ((1 - u) / (1 - peak)) ** fall
+
+
+def _pivot(pitch: Array, edge: float) -> tuple[Array, Array]:
+    """Ankle ahead of and above its flat-foot place on the ground when the foot rolls about an edge."""
+    ahead = edge - edge * np.cos(pitch) + SOLE * np.sin(pitch)
+    return ahead, edge * np.sin(pitch) + SOLE * np.cos(pitch)
+
+
+def _stance_pitch(t: Array, on: float, rise: float, off: float, strike: float, push: float) -> Array:
+    flat = min(_FLAT, 0.45 * (off - on))
+    zero = np.zeros(3)
+    u = np.clip((t - on) / flat, 0, 1)
+    landing = hermite(u, np.array([-strike, 0, 0]), zero)
+    u = np.clip((t - rise) / (off - rise), 0, 1)
+    return landing + hermite(u, zero, np.array([push, _PUSH_RATE * push, 0]))
+
+
+_PUSH_RATE = 1.9
+"""Slope of the heel's rise at toe-off, over its mean."""
+
+
+def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> tuple[Array, Array, Array]:
+    """Where the ankle of one side is: position (T, 3) [m], yaw and pitch (toe down) (T,) [rad] at times t (T,)."""
+    pos, yaw, pitch = np.zeros((len(t), 3)), np.zeros(len(t)), np.zeros(len(t))
+    strike, push = np.radians(gait.strike[side]), np.radians(gait.push[side])
+    ks = np.flatnonzero(steps.side == side)
+    for order, k in enumerate(ks):
+        on, off = steps.on[k], steps.off[k]
+        begin, end = steps.single(k)
+        rise = begin + gait.rise * (min(end, begin + 0.8) - begin) if end - begin > 0.05 else on + 0.6 * (off - on)
+        if off - rise > 0.6:
+            rise = off - 0.35
+        rows = np.arange(*np.searchsorted(t, [on if order else -np.inf, off if k != ks[-1] else np.inf]))
+        pitch[rows] = _stance_pitch(t[rows], on, rise, off, strike * (on > t[0]), push)
+        yaw[rows] = steps.yaw[k]
+        edge = np.where(pitch[rows] > 0, TOE, -HEEL)
+        ahead, height = _pivot(pitch[rows], edge)
+        pos[rows] = _place(steps, k, ahead, height)
+        if order + 1 < len(ks):
+            rows = np.arange(*np.searchsorted(t, [off, steps.on[ks[order + 1]]]))
+            if len(rows):
+                pos[rows], yaw[rows], pitch[rows] = _swing(gait, steps, k, ks[order + 1], rise, t[rows])
+    return pos, yaw, pitch
+
+
+def _place(steps: Steps, k: int, ahead: Array, height: Array) -> Array:
+    direction = np.array([np.cos(steps.yaw[k]), np.sin(steps.yaw[k])])
+    return np.column_stack([steps.pos[k] + ahead[:, None] * direction, height])
+
+
+def _swing(gait: Gait, steps: Steps, k: int, following: int, rise: float, t: Array) -> tuple[Array, Array, Array]:
+    side = int(steps.side[k])
+    off, on = steps.off[k], steps.on[following]
+    span = on - off
+    u = (t - off) / span
+    strike, push = np.radians(gait.strike[side]), np.radians(gait.push[side])
+    rate = _PUSH_RATE * push / (off - rise)
+    pitch = hermite(u, np.array([push, rate * span, 0]), np.array([-strike, 0, 0]))
+    ahead, _ = _pivot(np.array([push]), np.array([TOE]))
+    speed = (TOE * np.sin(push) + SOLE * np.cos(push)) * rate
+    acc = (TOE * np.cos(push) - SOLE * np.sin(push)) * rate**2
+    direction = np.array([np.cos(steps.yaw[k]), np.sin(steps.yaw[k])])
+    start = np.stack([steps.pos[k] + ahead * direction, speed * span * direction, acc * span**2 * direction])
+    back, _ = _pivot(np.array([-strike]), np.array([-HEEL]))
+    landing = steps.pos[following] + back * np.array([np.cos(steps.yaw[following]), np.sin(steps.yaw[following])])
+    xy = hermite(u, start, np.stack([landing, np.zeros(2), np.zeros(2)]))
+    turn = hermite(u, np.array([steps.yaw[k], 0, 0]), np.array([steps.yaw[following], 0, 0]))
+    outward = np.column_stack([np.sin(turn), -np.cos(turn)]) * (1 - 2 * side)
+    xy += gait.outward * bump(u)[:, None] * outward
+    pitch, xy, lift = _detours(gait.kick[side], u, pitch, xy, turn)
+    height = gait.clearance * bump(u, 0.5, 2.5) + lift + _lowest(pitch, 0.02 * bump(u))
+    return np.column_stack([xy, height]), turn, pitch
+
+
+def _detours(kicks: tuple[Kick, ...], u: Array, pitch: Array, xy: Array, yaw: Array) -> tuple[Array, Array, Array]:
+    lift = np.zeros_like(u)
+    for kick in kicks:
+        hill = bump(u, kick.peak, kick.sharpness)
+        pitch = pitch + np.radians(kick.pitch) * hill
+        xy = xy + kick.forward * hill[:, None] * np.column_stack([np.cos(yaw), np.sin(yaw)])
+        lift += kick.up * hill
+    return pitch, xy, lift
+
+
+def _lowest(pitch: Array, softness: Array) -> Array:
+    """Height of the ankle over the foot's lowest edge (T,), with the change from toe to heel rounded off."""
+    s = np.sin(pitch)
+    return SOLE * np.cos(pitch) + ((TOE - HEEL) * s + np.sqrt(((TOE + HEEL) * s) ** 2 + softness**2)) / 2

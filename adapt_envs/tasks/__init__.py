@@ -1,0 +1,1 @@
+"""Goal, termination and push rules as pure functions over arrays."""

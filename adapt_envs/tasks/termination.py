@@ -1,0 +1,21 @@
+"""Why an episode ends, as pure functions over arrays."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+ENDS = ("", "fall", "lost", "diverged", "time")
+"""Reasons by code; 0 goes on, 1 to 3 terminate, 4 truncates."""
+RUNNING, FALL, LOST, DIVERGED, TIME = range(5)
+LOST_DISTANCE = 3.0
+"""An episode ends when the character is this much [m] farther from its target than when the target was drawn."""
+
+
+def ends(
+    fallen: NDArray[np.bool_], lost: NDArray[np.bool_], diverged: NDArray[np.bool_], timed_out: NDArray[np.bool_]
+) -> NDArray[np.int8]:
+    """Codes (N,) into `ENDS`; where several hold, diverged outranks fall, fall lost, and lost time."""
+    code = np.where(timed_out, TIME, RUNNING)
+    code[lost] = LOST
+    code[fallen] = FALL
+    code[diverged] = DIVERGED
+    return code.astype(np.int8)

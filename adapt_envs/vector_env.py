@@ -1,0 +1,159 @@
+"""Many worlds of one task as a Gymnasium `VectorEnv`."""
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from adapt_envs.features import OBSERVATION_SIZE
+from adapt_envs.rendering import SceneRenderer
+from adapt_envs.spaces import JointSpace
+from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
+from adapt_envs.tasks.termination import DIVERGED, ENDS, RUNNING, TIME
+from adapt_envs.worlds import Worlds
+
+RESET_OPTIONS = ("goal_heading", "goal_speed", "start")
+"""Keys of `reset(options=...)`: a goal to hold [rad, m/s], and the number of the start state."""
+RENDER_FPS = 30
+
+
+def spaces_of(worlds: Worlds) -> tuple[gym.spaces.Box, JointSpace]:
+    """Observation and action space of one world."""
+    observation = gym.spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
+    reference = worlds.reference
+    return observation, JointSpace(reference.joint_names, worlds.spec.base, reference.mean_pose)
+
+
+def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, Any] | None) -> int | None:
+    """Hold or release goals as `reset(options=...)` asks; return the number of the start state it asks for, if any.
+
+    Raises:
+        ValueError: for an unknown option or a start state that does not exist.
+    """
+    options = options or {}
+    unknown = [key for key in options if key not in RESET_OPTIONS]
+    if unknown:
+        raise ValueError(f"unknown reset option {unknown[0]!r}; the options are {', '.join(RESET_OPTIONS)}")
+    if "goal_heading" in options or "goal_speed" in options:
+        worlds.hold_goal(options.get("goal_heading"), options.get("goal_speed"), ids)
+    start = options.get("start")
+    if start is not None and not 0 <= start < worlds.reference.num_states:
+        raise ValueError(f"start state {start} does not exist; they are 0 to {worlds.reference.num_states - 1}")
+    return start
+
+
+class AdaptVectorEnv(gym.vector.VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+    """N worlds of one task, stepped together; ended worlds restart in the same step.
+
+    The arrays that `reset` and `step` return are fresh at every call. `infos["final_obs"]` and `infos["final_info"]`
+    follow Gymnasium's SAME_STEP convention; `infos["final_info"]["end"]` names why an episode ended.
+
+    Attributes:
+        worlds: the worlds themselves.
+        diverged_worlds: how many worlds diverged so far.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": RENDER_FPS, "autoreset_mode": AutoresetMode.SAME_STEP}
+
+    def __init__(
+        self, task: str | TaskSpec, num_envs: int = 1, max_episode_steps: int | None = EPISODE_STEPS,
+        num_threads: int = 0, stagger: bool = False, render_mode: str | None = None, **overrides: Any,
+    ) -> None:  # fmt: skip
+        """Make `num_envs` worlds of `task`.
+
+        Args:
+            task: name of a row of `suite.SUITE`, or a row of one's own.
+            num_envs: number of worlds.
+            max_episode_steps: time limit in control steps (1/30 s), or None.
+            num_threads: threads of the physics; 0 for one per core.
+            stagger: spread the first episodes' lengths, so that time limits do not come all at once in training.
+            render_mode: "rgb_array" (a picture per world) or None.
+            **overrides: fields of `TaskSpec` to replace, such as `motion` or `speed_range`.
+        """
+        self.worlds = Worlds(configured(task, overrides), num_envs, num_threads)
+        self.num_envs = num_envs
+        self.render_mode = check_render_mode(render_mode, self.metadata["render_modes"])
+        self.single_observation_space, self.single_action_space = spaces_of(self.worlds)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.diverged_worlds = 0
+        self._max_steps, self._stagger = max_episode_steps, stagger
+        self._all = np.arange(num_envs)
+        self._renderer: SceneRenderer | None = None
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Restart all worlds; `options` are `RESET_OPTIONS`. One seed serves all worlds."""
+        seed = seed[0] if isinstance(seed, list) else seed
+        if seed is not None:
+            self._np_random, self._np_random_seed = gym.utils.seeding.np_random(seed)
+        self.worlds.rng = self.np_random
+        start = apply_options(self.worlds, self._all, options)
+        observations = self.worlds.reset(self._all, start)
+        if self._stagger and self._max_steps is not None:
+            self.worlds.steps[:] = self.np_random.integers(self._max_steps, size=self.num_envs)
+            self._stagger = False
+        return observations, {}
+
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Advance all worlds by 1/30 s; see Gymnasium's `VectorEnv.step`."""
+        observations, rewards, code = self.worlds.step(actions, self._max_steps)
+        ended = np.flatnonzero(code != RUNNING)
+        infos = self._restart(observations, code, ended) if len(ended) else {}
+        return observations, rewards, (code != RUNNING) & (code != TIME), code == TIME, infos
+
+    def _restart(
+        self, observations: NDArray[np.float32], code: NDArray[np.int8], ended: NDArray[np.integer]
+    ) -> dict[str, Any]:
+        mask = code != RUNNING
+        final_obs, end = (np.full(self.num_envs, None, dtype=object) for _ in range(2))
+        for world in ended:
+            final_obs[world], end[world] = observations[world].copy(), ENDS[code[world]]
+        self.diverged_worlds += int((code == DIVERGED).sum())
+        observations[ended] = self.worlds.reset(ended)
+        final_info = {"end": end, "_end": mask, "diverged_worlds": self.diverged_worlds}
+        return {"final_obs": final_obs, "_final_obs": mask, "final_info": final_info, "_final_info": mask}
+
+    @property
+    def pose_windows(self) -> NDArray[np.float32]:
+        """(N, 5, 15, 7) poses up to the last transition, before any restart: what discriminators see."""
+        return self.worlds.windows
+
+    def sample_reference_windows(self, n: int, rng: np.random.Generator) -> NDArray[np.float32]:
+        """`n` windows (n, 5, 15, 7) of the reference motion, laid out as `pose_windows`."""
+        return self.worlds.reference.sample_windows(n, rng)
+
+    def set_goal(
+        self, heading: float | None, speed: float | None, worlds: NDArray[np.integer] | None = None
+    ) -> None:
+        """Hold the goal ahead in the world direction `heading` [rad] at `speed` [m/s]; None returns to random goals."""
+        self.worlds.hold_goal(heading, speed, self._all if worlds is None else worlds)
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A picture (480, 640, 3) of each world, or None without a render mode."""
+        if self.render_mode is None:
+            return None
+        self._renderer = self._renderer or SceneRenderer(self.worlds.model)
+        return tuple(self._renderer.picture(self.worlds, world) for world in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Free the renderer."""
+        if self._renderer is not None:
+            self._renderer.close()
+
+
+def check_render_mode(mode: str | None, valid: list[str]) -> str | None:
+    """`mode` if it is None or among `valid`.
+
+    Raises:
+        ValueError: otherwise, listing the valid ones.
+    """
+    if mode is not None and mode not in valid:
+        raise ValueError(f"render_mode {mode!r} is unknown; the modes are {', '.join(valid)}")
+    return mode

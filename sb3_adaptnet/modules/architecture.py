@@ -1,0 +1,117 @@
+"""Sizes of a base network and of an adaptation: plain data that goes into a checkpoint's card."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+OBSERVATION_VERSION = 1  # meaning of the 784 numbers; raised when the env's layout changes
+ADAPTORS = ("full", "lora")  # kinds of internal adaptors (paper, sec. 4 and 8.3); None stands for no adaptors
+
+
+@dataclass(frozen=True)
+class Architecture:
+    """Sizes of a policy network (paper, sec. 7 and fig. 6).
+
+    Attributes:
+        joints: names of the actuated joints, in the order of the outputs.
+        frame_count: body-state frames in an observation, oldest first.
+        frame_size: numbers per frame (15 links x 13).
+        goal_size: numbers of the goal.
+        gru_size: width of the state encoder's hidden state.
+        hidden_sizes: widths of the fully connected layers, that is of Z1, Z2, ...
+        heightmap: whether the network itself reads a heightmap.
+    """
+
+    joints: tuple[str, ...]
+    frame_count: int = 4
+    frame_size: int = 195
+    goal_size: int = 4
+    gru_size: int = 256
+    hidden_sizes: tuple[int, ...] = (1024, 512)
+    heightmap: bool = False
+
+    @property
+    def action_size(self) -> int:
+        """Number of actions."""
+        return len(self.joints)
+
+    @property
+    def observation_size(self) -> int:
+        """Numbers in a flat observation: all frames, then the goal."""
+        return self.frame_count * self.frame_size + self.goal_size
+
+    @property
+    def latent_sizes(self) -> tuple[int, ...]:
+        """Widths of the latent spaces Z0 (encoder output and goal), Z1, Z2, ..."""
+        return (self.gru_size + self.goal_size, *self.hidden_sizes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The sizes as JSON values."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "Architecture":
+        """Inverse of `to_dict` (lists become tuples again).
+
+        Raises:
+            TypeError: for a name that is not a field, or a missing one.
+        """
+        return cls(**{name: tuple(value) if isinstance(value, list) else value for name, value in values.items()})
+
+
+@dataclass(frozen=True)
+class AdaptationShape:
+    """Which parts an adaptation of a base has; the defaults are AdaptNet, the others its ablations (paper, sec. 8).
+
+    Attributes:
+        injection: latent space that the injector edits: "z0", "z1", "z2", ... or "all".
+        own_encoder: whether the injector has a state encoder of its own (a copy of the base's).
+        adaptors: "full" for full-rank adaptors, "lora" for low-rank ones, None for none.
+        rank: rank of the low-rank adaptors.
+        injector: whether there is an injector at all.
+        heightmap: whether the injector reads a heightmap.
+    """
+
+    injection: str = "z0"
+    own_encoder: bool = True
+    adaptors: str | None = "full"
+    rank: int = 64
+    injector: bool = True
+    heightmap: bool = False
+
+    def __post_init__(self) -> None:
+        if self.adaptors is not None and self.adaptors not in ADAPTORS:
+            raise ValueError(f"adaptors must be one of {[*ADAPTORS, None]}, not {self.adaptors!r}")
+        if self.rank < 1:
+            raise ValueError(f"rank must be at least 1, not {self.rank}")
+        if not self.injector and self.heightmap:
+            raise ValueError("an adaptation without an injector cannot read a heightmap; use injector=True")
+
+    def injected_spaces(self, space_count: int) -> tuple[int, ...]:
+        """Indices of the latent spaces that are injected.
+
+        Args:
+            space_count: number of latent spaces of the base (hidden layers + 1).
+
+        Raises:
+            ValueError: if `injection` names no such space.
+        """
+        if not self.injector:
+            return ()
+        table = {f"z{index}": (index,) for index in range(space_count)} | {"all": tuple(range(space_count))}
+        if self.injection not in table:
+            raise ValueError(f"injection must be one of {list(table)}, not {self.injection!r}")
+        return table[self.injection]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The choices as JSON values."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "AdaptationShape":
+        """Inverse of `to_dict`.
+
+        Raises:
+            TypeError: for a name that is not a field.
+        """
+        return cls(**values)

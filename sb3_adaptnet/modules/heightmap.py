@@ -1,0 +1,37 @@
+"""The heightmap encoder G (paper, eq. 5 and appendix B)."""
+
+import torch
+from torch import nn
+
+HEIGHTMAP_SIZE = 35  # grid points along each side, 0.1 m apart
+CODE_SIZE = 256  # numbers in the code
+
+# (output channels, kernel, stride). The appendix speaks of three layers; four is what the authors ran: they take the
+# 35x35 grid to 7x7, 5x5, 3x3 and 1x1 points, without pooling, after Mnih et al. (2013).
+_LAYERS = ((32, 5, 5), (64, 3, 1), (128, 3, 1), (CODE_SIZE, 3, 1))
+
+
+class HeightmapEncoder(nn.Module):
+    """CNN from a heightmap to a code of 256 numbers."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        channels = 1
+        layers: list[nn.Module] = []
+        for width, kernel, stride in _LAYERS:
+            layers += [nn.Conv2d(channels, width, kernel, stride), nn.ReLU6()]
+            channels = width
+        self.layers = nn.Sequential(*layers, nn.Flatten())
+
+    def forward(self, heightmap: torch.Tensor) -> torch.Tensor:
+        """Encode heights (B, 1, 35, 35) [m, relative to the ground under the root] as (B, 256)."""
+        return self.layers(heightmap)
+
+
+def require_heightmap(heightmap: torch.Tensor | None) -> torch.Tensor:
+    """The heightmap, or a ValueError that says that it is missing."""
+    if heightmap is None:
+        raise ValueError(
+            "this network reads a heightmap: the observation must be a dict with 'observation' and 'heightmap'"
+        )
+    return heightmap

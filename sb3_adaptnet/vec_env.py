@@ -1,0 +1,150 @@
+"""The only adapter between this project's batched worlds and Stable-Baselines3's VecEnv."""
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.vector import VectorEnv
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
+
+import adapt_envs
+
+NO_INFO: dict[str, Any] = {}  # shared by every world that goes on; nobody writes into it
+
+
+class AdaptVecEnv(VecEnv):
+    """A gymnasium ``VectorEnv`` with SAME_STEP autoreset as a native Stable-Baselines3 ``VecEnv``.
+
+    No Python runs per world in a step: only worlds that finished get an info dict of their own, with "end",
+    "terminal_observation", "TimeLimit.truncated" and "episode" (as ``VecMonitor`` writes it: r, l, t).
+    Observations are copied, since PPO holds them across the next step.
+
+    Attributes:
+        worlds: The gymnasium vector environment.
+    """
+
+    def __init__(
+        self,
+        env: str | EnvSpec | VectorEnv,
+        num_envs: int = 512,
+        num_threads: int | None = None,
+        seed: int | None = None,
+        stagger: bool = True,
+        **env_kwargs: Any,
+    ) -> None:
+        """Make the worlds.
+
+        Args:
+            env: Id, spec, or a finished vector environment (then ``num_envs`` and ``env_kwargs`` do not apply).
+            num_envs: Number of worlds N.
+            num_threads: Physics threads; None takes all cores.
+            seed: Seed of the first reset.
+            stagger: Spread the first episodes' lengths, so that time limits do not all come at once.
+            **env_kwargs: Further arguments of the environment.
+        """
+        if isinstance(env, VectorEnv):
+            self.worlds = env
+        else:
+            if num_threads is not None:
+                env_kwargs["num_threads"] = num_threads
+            self.worlds = adapt_envs.make_vector(env, num_envs, stagger=stagger, **env_kwargs)
+        self._started = time.time()
+        super().__init__(
+            self.worlds.num_envs, self.worlds.single_observation_space, self.worlds.single_action_space
+        )
+        self._seeds[0] = seed
+        self._actions = np.zeros(self.worlds.action_space.shape or (), np.float32)
+        self._returns = np.zeros(self.num_envs)
+        self._lengths = np.zeros(self.num_envs, np.int64)
+
+    @property
+    def pose_windows(self) -> np.ndarray:
+        """Windows (N, 5, 15, 7) of the transition just made, before autoreset."""
+        return self.worlds.unwrapped.pose_windows  # type: ignore[attr-defined]
+
+    def sample_reference_windows(self, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw windows (count, 5, 15, 7) of the clips."""
+        return self.worlds.unwrapped.sample_reference_windows(count, rng)  # type: ignore[attr-defined]
+
+    def reset(self) -> VecEnvObs:
+        """Reset all worlds, with the seed given by ``seed`` if any; returns observations (N, ...)."""
+        options = self._options[0] or None
+        observations, _ = self.worlds.reset(seed=self._seeds[0], options=options)
+        self._reset_seeds()
+        self._reset_options()
+        self._returns[:] = 0.0
+        self._lengths[:] = 0
+        return copy_observations(observations)
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Keep the actions (N, joints) for ``step_wait``."""
+        self._actions = actions
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Step all worlds; finished ones are reset already."""
+        observations, rewards, terminated, truncated, infos = self.worlds.step(self._actions)
+        dones = np.logical_or(terminated, truncated)
+        self._returns += rewards
+        self._lengths += 1
+        sb3_infos = [NO_INFO] * self.num_envs
+        for world in np.flatnonzero(dones):
+            sb3_infos[world] = self._final_info(int(world), infos, bool(truncated[world] and not terminated[world]))
+        self._returns[dones] = 0.0
+        self._lengths[dones] = 0
+        return copy_observations(observations), np.array(rewards, np.float32), dones, sb3_infos
+
+    def _final_info(self, world: int, infos: dict[str, Any], truncated: bool) -> dict[str, Any]:
+        final = infos["final_obs"]
+        observation = {k: v[world] for k, v in final.items()} if isinstance(final, dict) else final[world]
+        ends = infos["end"] if "end" in infos else infos.get("final_info", {}).get("end")
+        episode = {
+            "r": round(float(self._returns[world]), 6),
+            "l": int(self._lengths[world]),
+            "t": round(time.time() - self._started, 6),
+        }
+        info = {"terminal_observation": observation, "TimeLimit.truncated": truncated, "episode": episode}
+        return info if ends is None else {"end": str(ends[world]), **info}
+
+    def close(self) -> None:
+        """Free the worlds."""
+        self.worlds.close()
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Attribute of the vector environment, once per index; arrays with N rows give every world its row."""
+        value = getattr(self.worlds, attr_name)
+        per_world = isinstance(value, np.ndarray) and value.ndim > 0 and len(value) == self.num_envs
+        return [value[i] if per_world else value for i in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Set an attribute for all worlds; single worlds have none of their own."""
+        if indices is not None and len(list(self._get_indices(indices))) != self.num_envs:
+            raise ValueError(f"{attr_name!r} can only be set for all {self.num_envs} worlds at once")
+        setattr(self.worlds.unwrapped, attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Call a method of the vector environment once; the result is repeated per index."""
+        result = getattr(self.worlds, method_name)(*method_args, **method_kwargs)
+        return [result for _ in self._get_indices(indices)]
+
+    def env_is_wrapped(self, wrapper_class: type[gym.Wrapper], indices: VecEnvIndices = None) -> list[bool]:
+        """True for ``Monitor``: episodes are reported as it does; no world has another wrapper."""
+        return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]
+
+    def get_images(self) -> Sequence[np.ndarray | None]:
+        """Pictures of the worlds, as far as the vector environment renders them."""
+        frames = self.worlds.render()
+        return [] if frames is None else list(frames)
+
+
+def copy_observations(observations: Any) -> Any:
+    """Copy an array, or every array of a dict."""
+    if isinstance(observations, dict):
+        return {key: np.array(value) for key, value in observations.items()}
+    return np.array(observations)
+

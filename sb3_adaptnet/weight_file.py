@@ -1,0 +1,92 @@
+"""One weights file: tensors and a JSON card in a safetensors file, written atomically, read without running code."""
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save
+
+FORMAT = 1  # version of the card's layout
+_METADATA_KEY = "adaptnet"  # entry of the safetensors metadata that holds the card
+
+
+class CheckpointError(ValueError):
+    """A weights file is missing, damaged, foreign, or does not fit; the message says which, in one sentence."""
+
+
+def weights_hash(tensors: Mapping[str, torch.Tensor], identity: Mapping[str, Any]) -> str:
+    """SHA-256 over names, types, shapes and bytes of tensors and over JSON values that belong to them."""
+    digest = hashlib.sha256(json.dumps(identity, sort_keys=True).encode())
+    for name in sorted(tensors):
+        tensor = tensors[name].detach().cpu().contiguous()
+        digest.update(f"{name}{tensor.dtype}{tuple(tensor.shape)}".encode())
+        digest.update(tensor.numpy().tobytes())
+    return digest.hexdigest()
+
+
+def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping[str, Any]) -> None:
+    """Write tensors and card to `file`, and the card once more, for people, to the `.json` beside it.
+
+    Both appear whole or not at all. The card is completed by the format version and the hash of the weights.
+    """
+    full = {"format": FORMAT, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
+    plain = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in tensors.items()}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    _replace(file, save(plain, metadata={_METADATA_KEY: json.dumps(full, sort_keys=True)}))
+    _replace(file.with_suffix(".json"), (json.dumps(full, indent=2, sort_keys=True) + "\n").encode())
+
+
+def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
+    """Read what `write_weights` wrote.
+
+    Returns:
+        Tensors by name, and the card.
+
+    Raises:
+        CheckpointError: if the file is missing, cut, damaged or not one of ours.
+    """
+    if not file.is_file():
+        raise CheckpointError(f"there is no weights file {str(file)!r}")
+    try:
+        with safe_open(file, framework="pt", device=str(device)) as opened:
+            metadata = opened.metadata() or {}
+            tensors = {name: opened.get_tensor(name) for name in opened.keys()}  # noqa: SIM118 (not a mapping)
+    except (SafetensorError, OSError, RuntimeError) as error:
+        raise CheckpointError(f"{str(file)!r} is cut or is not a safetensors file ({error})") from error
+    card = _read_card(file, metadata)
+    if card["hash"] != weights_hash(tensors, card.get("architecture", {})):
+        raise CheckpointError(f"{str(file)!r} is damaged: its weights do not have the hash that its card states")
+    return tensors, card
+
+
+def _read_card(file: Path, metadata: Mapping[str, str]) -> dict[str, Any]:
+    if _METADATA_KEY not in metadata:
+        raise CheckpointError(f"{str(file)!r} is a safetensors file, but holds no AdaptNet card")
+    try:
+        card = json.loads(metadata[_METADATA_KEY])
+    except json.JSONDecodeError as error:
+        raise CheckpointError(f"the card of {str(file)!r} is not JSON ({error})") from error
+    if not isinstance(card, dict) or card.get("format") != FORMAT or "hash" not in card:
+        found = card.get("format") if isinstance(card, dict) else None
+        raise CheckpointError(f"the card of {str(file)!r} has format {found!r}, but this version reads {FORMAT}")
+    return card
+
+
+def _replace(file: Path, content: bytes) -> None:
+    """Write a file so that at any moment either the old or the new content is there."""
+    with tempfile.NamedTemporaryFile(dir=file.parent, prefix=f".{file.name}.", delete=False) as temporary:
+        try:
+            temporary.write(content)
+            temporary.flush()
+            os.fsync(temporary.fileno())
+        except BaseException:
+            os.unlink(temporary.name)
+            raise
+    os.chmod(temporary.name, 0o644)
+    os.replace(temporary.name, file)
