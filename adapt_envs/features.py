@@ -62,7 +62,7 @@ def heading_frame_features(
 
 
 def observations(features: NDArray[np.float32], goal: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Policy observations (N, 784) from features (N, >= 4, 15, 13) and goals (N, 4): last four frames, then the goal."""
+    """Policy observations (N, 784) from features (N, >= 4, 15, 13) and goals (N, 4): four frames, then the goal."""
     n = len(features)
     out = np.empty((n, OBSERVATION_SIZE), np.float32)
     out[:, :-GOAL_SIZE] = features[:, -OBSERVED_FRAMES:].reshape(n, -1)

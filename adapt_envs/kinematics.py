@@ -56,12 +56,10 @@ class Kinematics:
         self.model = model
 
     @cached_property
-    def _batch(self) -> Batch:
-        return Batch(self.model, nsim=_CHUNK, nthread=1)
-
-    @cached_property
-    def _reader(self) -> LinkReader:
-        return LinkReader(self._batch, self.model)
+    def _worlds(self) -> tuple[Batch, LinkReader]:
+        # Bound together: a field bound after a call would read zero until the next one.
+        batch = Batch(self.model, nsim=_CHUNK, nthread=1)
+        return batch, LinkReader(batch, self.model)
 
     def link_states(
         self, qpos: NDArray[np.floating], qvel: NDArray[np.floating] | None = None
@@ -76,12 +74,13 @@ class Kinematics:
         Returns:
             (T, 15, 13) in the world frame, links in `LINKS` order.
         """
+        batch, reader = self._worlds
         states = np.empty((len(qpos), len(LINKS), LINK_STATE), np.float32)
         for start in range(0, len(qpos), _CHUNK):
             rows = slice(start, min(start + _CHUNK, len(qpos)))
             ids = np.arange(rows.stop - rows.start)
-            self._batch.qpos[ids] = qpos[rows]
-            self._batch.qvel[ids] = 0 if qvel is None else qvel[rows]
-            self._batch.forward(ids, stage=int(mujoco.mjtStage.mjSTAGE_VEL))
-            self._reader.read(states[rows], ids)
+            batch.qpos[ids] = qpos[rows]
+            batch.qvel[ids] = 0 if qvel is None else qvel[rows]
+            batch.forward(ids, stage=int(mujoco.mjtStage.mjSTAGE_VEL))
+            reader.read(states[rows], ids)
         return states

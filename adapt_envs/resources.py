@@ -21,4 +21,4 @@ def asset_path(name: str) -> Path:
     for folder in folders:
         if (folder / name).exists():
             return folder / name
-    raise FileNotFoundError(f"asset {name!r} is neither in {folders[0]} nor in {folders[1]}; is the installation complete?")
+    raise FileNotFoundError(f"asset {name!r} is neither in {folders[0]} nor in {folders[1]}: reinstall the package")

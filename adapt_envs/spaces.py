@@ -33,7 +33,8 @@ class JointSpace(gym.spaces.Box):
         """Equal bounds and joints; a plain Box of the same bounds is not equal."""
         return isinstance(other, JointSpace) and self.joint_names == other.joint_names and super().__eq__(other)
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
+    def __setstate__(self, state: Any) -> None:
         """Restore from a pickle, which Box's own method would strip of this class's attributes."""
+        state = dict(state)
         super().__setstate__(state)
         vars(self).update({name: state[name] for name in ("joint_names", "default_base", "mean_pose") if name in state})

@@ -1,49 +1,48 @@
-"""What every policy of this package shares: K values, precision, normalisers, a state dict that describes itself."""
+"""The policies that train a base, and that adapt one."""
 
-import json
-from collections.abc import Mapping, Sequence
+import math
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import torch
 from gymnasium import spaces
-from stable_baselines3.common.distributions import DiagGaussianDistribution
-from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
 from torch import nn
 
-from sb3_adaptnet.modules.architecture import Architecture
-from sb3_adaptnet.modules.critic import Critic
-from sb3_adaptnet.modules.normalizer import moments_of
-from sb3_adaptnet.modules.observation import Observation, split_observation
-from sb3_adaptnet.modules.popart import PopArtHead
-from sb3_adaptnet.optim import SteeredAdam
-from sb3_adaptnet.precision import PRECISIONS, autocast, use_precision
-from sb3_adaptnet.spaces import action_joints, has_heightmap
+from sb3_adaptnet.checkpoint import (
+    ADAPTATION,
+    BASE,
+    Base,
+    build_checked,
+    check_base,
+    load_checked,
+    read_adaptation,
+    read_base,
+    resolve,
+)
+from sb3_adaptnet.modules.adapted import Adaptation, AdaptedActor, Penalties
+from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
+from sb3_adaptnet.modules.backbone import Backbone
+from sb3_adaptnet.modules.injector import PRIOR_SAMPLES
+from sb3_adaptnet.modules.merge import merge
+from sb3_adaptnet.modules.observation import Observation
+from sb3_adaptnet.objective_policy import ObjectivePolicy
+from sb3_adaptnet.spaces import default_base, mean_pose
+from sb3_adaptnet.weight_file import CheckpointError
 
-_EXTRA = "_extra_state"  # torch's key for what get_extra_state returns
-_ADAM = {"eps": 1e-5, "fused": True}  # eps as in SB3's own policies; one kernel for all parameters
+TRAINED = "main"  # name of the adaptation that a policy trains
 
 
-class ObjectivePolicy(ActorCriticPolicy):
-    """An actor and a critic with K objectives, for stock `PPO`.
-
-    Without the callback K is 1 and values are plain numbers. `set_objectives` gives the critic K outputs with running
-    statistics (PopArt): `forward` then returns values (B, K) in real units, `evaluate_actions` normalised ones, and
-    `predict_values` their weighted sum (B, 1).
-
-    The policy's state dict carries a description of its networks, so that `PPO.load` can rebuild them, whatever the
-    files were that they came from.
+class PretrainPolicy(ObjectivePolicy):
+    """Trains a base from nothing; also the paper's baseline "Scratch" (sec. 8.1).
 
     Attributes:
-        actor: observation -> (mean, log_std).
-        critic: observation -> normalised values (B, K).
-        objective_weights: weight of each objective in `predict_values`.
-        precision: the precision in use: "fp32", "medium" or "bf16".
+        actor: the network, which `save_base` exports.
     """
 
-    actor: nn.Module
-    critic: Critic
-    optimizer: torch.optim.Optimizer
+    actor: Backbone
 
     def __init__(
         self,
@@ -51,229 +50,301 @@ class ObjectivePolicy(ActorCriticPolicy):
         action_space: spaces.Space,
         lr_schedule: Schedule,
         use_sde: bool = False,
-        precision: str = "fp32",
-        actor_lr: float | None = None,
-        critic_lr: float | None = None,
-        optimizer_class: type[torch.optim.Optimizer] = SteeredAdam,
-        optimizer_kwargs: dict[str, Any] | None = None,
+        gru_size: int = 256,
+        hidden_sizes: tuple[int, ...] = (1024, 512),
+        **settings: Any,
     ) -> None:
-        """Build the networks and the optimiser.
+        """Build a fresh network, whose first actions are the clips' mean pose.
 
         Args:
-            observation_space: Box(784,), or Dict(observation=Box(784,), heightmap=Box(1, 35, 35)).
-            action_space: a Box that carries `joint_names`, `default_base` and `mean_pose`.
-            lr_schedule: PPO's learning rate; its value at the start is what actor_lr and critic_lr are relative to.
-            use_sde: not supported; PPO passes it.
-            precision: "fp32"; "medium" (float32 products in bfloat16 steps, set for the whole process); "bf16"
-                (autocast, heads stay float32); "auto" (bf16 where the device has it).
-            actor_lr: the actor's learning rate at the start; None takes PPO's.
-            critic_lr: the critic's; None takes PPO's.
-            optimizer_class: an optimiser that honours each group's "lr_scale".
-            optimizer_kwargs: further arguments of the optimiser.
-
-        Raises:
-            ValueError: for spaces without what the policy needs, an unknown precision, or use_sde.
+            observation_space: see `ObjectivePolicy`, as the next two.
+            action_space: carries `joint_names` and `mean_pose`.
+            lr_schedule: PPO's learning rate.
+            use_sde: not supported.
+            gru_size: width of the state encoder (the paper's: 256).
+            hidden_sizes: widths of the fully connected layers (the paper's: 1024, 512).
+            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
         """
-        if use_sde:
-            raise ValueError("use_sde=True is not supported: the standard deviation is a head of the network")
-        if precision not in (*PRECISIONS, "auto"):
-            raise ValueError(f"precision must be one of {[*PRECISIONS, 'auto']}, not {precision!r}")
-        self.joints = action_joints(action_space)
-        self.reads_heightmap = has_heightmap(observation_space)
-        super().__init__(
-            observation_space,
-            action_space,
-            lr_schedule,
-            optimizer_class=optimizer_class,
-            optimizer_kwargs=_ADAM | (optimizer_kwargs or {}),
+        super().__init__(observation_space, action_space, lr_schedule, use_sde, **settings)
+        architecture = Architecture(
+            self.joints, gru_size=gru_size, hidden_sizes=tuple(hidden_sizes), heightmap=self.reads_heightmap
         )
-        self.requested_precision = precision
-        self.precision = use_precision(precision)
-        self._rates = {"actor": actor_lr, "critic": critic_lr}
-        self._learning_rate = float(lr_schedule(1))
-        self.objective_weights: tuple[float, ...] = (1.0,)
-
-    def _build(self, lr_schedule: Schedule) -> None:
-        """Nothing: SB3 would build its own networks here, before this class knows its arguments."""
-
-    # -- for subclasses ----------------------------------------------------------------------------------------------
+        actor = Backbone(architecture)
+        actor.start_at_pose(mean_pose(action_space).tolist())
+        self.assemble(actor)
 
     def describe_actor(self) -> dict[str, Any]:
-        """JSON values from which `actor_from` builds an actor of the same shape."""
-        raise NotImplementedError
+        """The sizes."""
+        return {"architecture": self.architecture.to_dict()}
 
     def actor_from(self, description: Mapping[str, Any]) -> nn.Module:
-        """An actor of the described shape; its weights are about to be loaded."""
-        raise NotImplementedError
+        """A network of the described sizes."""
+        return Backbone(Architecture.from_dict(description["architecture"]))
 
-    @property
-    def architecture(self) -> Architecture:
-        """Sizes of the policy network."""
-        return self.actor.architecture  # type: ignore[return-value]
+    def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
+        """The whole network, as a base."""
+        return BASE, self.actor, {"architecture": self.architecture.to_dict(), "method": "pretrain"}
 
-    # -- assembly ----------------------------------------------------------------------------------------------------
 
-    def _assemble(self, actor: nn.Module) -> None:
-        """Put in an actor, a fresh critic of its sizes and an optimiser for both."""
-        self.actor = actor
-        self.critic = Critic(self.architecture, self.reads_heightmap, len(self.objective_weights))
-        self.critic.normalizer.load_state_dict(self._input_statistics())
-        self._make_optimizer()
+class AdaptingPolicy(ObjectivePolicy):
+    """A policy that starts from a base: reads it, drops the outputs of joints that the character lacks.
 
-    def _input_statistics(self) -> dict[str, torch.Tensor]:
-        """Statistics that the fresh critic starts at: those that the actor's learning normaliser starts at."""
-        normalizers = self.actor.normalizers()  # type: ignore[operator]
-        source = normalizers[0] if normalizers else self.critic.normalizer
-        return source.state_dict()
+    Attributes:
+        base_name: name of the base.
+        base_hash: hash of its weights, all joints included.
+    """
 
-    def _make_optimizer(self) -> None:
-        """Two groups, "actor" and "critic"; `lr_scale` survives SB3's overwriting of `lr`."""
-        groups = []
-        for name, network in (("actor", self.actor), ("critic", self.critic)):
-            rate = self._rates[name]
-            scale = 1.0 if rate is None or self._learning_rate == 0 else rate / self._learning_rate
-            parameters = [p for p in network.parameters() if p.requires_grad]
-            groups.append({"name": name, "params": parameters, "lr_scale": scale})
-        self.optimizer = self.optimizer_class(groups, lr=self._learning_rate, **self.optimizer_kwargs)  # type: ignore
-
-    def set_objectives(self, weights: Sequence[float]) -> None:
-        """Give the critic one output per weight; a changed number means a fresh head and a fresh optimiser.
-
-        Raises:
-            ValueError: if there are no weights.
-        """
-        if len(weights) == 0:
-            raise ValueError("set_objectives needs at least one weight")
-        changed = len(weights) != self.num_objectives
-        self.objective_weights = tuple(float(weight) for weight in weights)
-        if changed:
-            self.critic.set_objectives(len(weights))
-            self._make_optimizer()
-
-    @property
-    def num_objectives(self) -> int:
-        """Number of objectives K."""
-        return len(self.objective_weights)
-
-    @property
-    def value_norm(self) -> PopArtHead:
-        """Statistics of the K returns: `update`, `normalize`, `denormalize`."""
-        return self.critic.head
-
-    # -- acting ------------------------------------------------------------------------------------------------------
-
-    def _split(self, obs: PyTorchObs) -> Observation:
-        if isinstance(obs, dict):
-            return split_observation(obs["observation"].float(), self.architecture, obs["heightmap"].float())
-        return split_observation(obs.float(), self.architecture)
-
-    def _gaussian(self, observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
-        with autocast(self.device, self.precision):
-            return self.actor(observation)
-
-    def _normalized_values(self, observation: Observation) -> torch.Tensor:
-        with autocast(self.device, self.precision):
-            return self.critic(observation)
-
-    @torch.no_grad()
-    def _observe(self, observation: Observation) -> None:
-        """Collect input statistics; they act from the next rollout on."""
-        moments = moments_of(observation.frames)
-        for normalizer in (*self.actor.normalizers(), self.critic.normalizer):  # type: ignore[operator]
-            normalizer.observe(moments)
-
-    def forward(  # type: ignore[override]
-        self, obs: PyTorchObs, deterministic: bool = False
-    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-        """Act while samples are collected.
+    def __init__(
+        self,
+        observation_space: spaces.Space,
+        action_space: spaces.Space,
+        lr_schedule: Schedule,
+        use_sde: bool = False,
+        base: str | Path | None = None,
+        **settings: Any,
+    ) -> None:
+        """Read the base and build the networks around it.
 
         Args:
-            obs: observations (B, 784), or a dict of them and heightmaps (B, 1, 35, 35).
-            deterministic: take the mean.
+            observation_space: see `ObjectivePolicy`, as the next two.
+            action_space: carries `joint_names`, and `default_base` if no base is given.
+            lr_schedule: PPO's learning rate.
+            use_sde: not supported.
+            base: name of a shipped base, or a file; None takes the environment's default.
+            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
+
+        Raises:
+            CheckpointError: if the base's name is unknown or its file is damaged or foreign. A file that is missing
+                only fails when the policy first acts, because `PPO.load` builds the policy before it restores it.
+        """
+        super().__init__(observation_space, action_space, lr_schedule, use_sde, **settings)
+        self.base_argument = default_base(action_space) if base is None else base
+        self._missing: CheckpointError | None = None
+        found = self._read_base()
+        self.base_name, self.base_hash = found.name, found.hash
+        self.assemble(self.adapt(found.backbone.with_joints(self.joints)))
+        self.critic.normalizer.start_at(found.backbone.normalizer, PRIOR_SAMPLES)
+
+    def _read_base(self) -> Base:
+        file = resolve(self.base_argument)
+        if file.is_file():
+            return read_base(file)
+        self._missing = CheckpointError(f"there is no base file {str(file)!r}")
+        warnings.warn(f"{self._missing}; the policy cannot act unless a saved state is loaded into it", stacklevel=4)
+        return Base(Backbone(Architecture(self.joints)), file.stem, "", {})
+
+    def adapt(self, base: Backbone) -> nn.Module:
+        """The actor at the start of training, made from a base for this character's joints."""
+        raise NotImplementedError
+
+    def _split(self, obs: PyTorchObs) -> Observation:
+        if self._missing is not None:
+            raise self._missing
+        return super()._split(obs)
+
+    def describe_actor(self) -> dict[str, Any]:
+        """Sizes and identity of the base."""
+        return {
+            "architecture": self.architecture.to_dict(),
+            "base": {"name": self.base_name, "hash": self.base_hash},
+        }
+
+    def _become(self, description: Mapping[str, Any]) -> None:
+        base = description["actor"]["base"]
+        super()._become(description)
+        self.base_name, self.base_hash, self._missing = base["name"], base["hash"], None
+
+    def _get_constructor_parameters(self) -> dict[str, Any]:
+        return super()._get_constructor_parameters() | {"base": str(self.base_argument)}
+
+
+class AdaptNetPolicy(AdaptingPolicy):
+    """AdaptNet: a frozen base, an injector into its latents, adaptors at its layers (paper, secs. 4 and 5).
+
+    At the start it acts exactly as its base. `alpha` may be set at any time (0 is the base, 1 the adapted policy);
+    further adaptations of the same base may be added and blended.
+    """
+
+    actor: AdaptedActor
+
+    def __init__(
+        self,
+        observation_space: spaces.Space,
+        action_space: spaces.Space,
+        lr_schedule: Schedule,
+        use_sde: bool = False,
+        base: str | Path | None = None,
+        injection: str = "z0",
+        own_encoder: bool = True,
+        adaptors: str | None = "full",
+        rank: int = 64,
+        injector: bool = True,
+        beta: float = 0.01,
+        kappa: float = 0.01,
+        alpha: float = 1.0,
+        **settings: Any,
+    ) -> None:
+        """Read the base and add an adaptation that does nothing yet.
+
+        Args:
+            observation_space: see `ObjectivePolicy`, as the next two.
+            action_space: carries `joint_names`, and `default_base` if no base is given.
+            lr_schedule: PPO's learning rate.
+            use_sde: not supported.
+            base: name of a shipped base, or a file; None takes the environment's default.
+            injection: latent space that is injected: "z0" (the paper's choice), "z1", "z2" or "all".
+            own_encoder: whether the injector has its own state encoder.
+            adaptors: "full", "lora" or None.
+            rank: rank of "lora" adaptors.
+            injector: whether there is an injector.
+            beta: coefficient of the injection's norm (eq. 12).
+            kappa: coefficient of the adaptors' norm (eq. 12).
+            alpha: scale of the adaptation.
+            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
+
+        Raises:
+            ValueError: for an unknown choice, or if there would be nothing to train.
+            CheckpointError: if the base cannot be read.
+        """
+        if not injector and adaptors is None:
+            raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
+        self._choices = {
+            "injection": injection,
+            "own_encoder": own_encoder,
+            "adaptors": adaptors,
+            "rank": rank,
+            "injector": injector,
+        }
+        self._penalties = Penalties(beta, kappa)
+        self.merged = False
+        super().__init__(observation_space, action_space, lr_schedule, use_sde, base, **settings)
+        self.alpha = alpha
+
+    def adapt(self, base: Backbone) -> AdaptedActor:
+        """The base with an adaptation that does nothing yet."""
+        shape = AdaptationShape(heightmap=self.reads_heightmap and self._choices["injector"], **self._choices)  # type: ignore
+        adaptation = Adaptation(base.architecture, shape)
+        adaptation.start_from(base)
+        return AdaptedActor(base, {TRAINED: adaptation}, self._penalties)
+
+    # -- run time (paper, sec. 8.1) ----------------------------------------------------------------------------------
+
+    @property
+    def alpha(self) -> float:
+        """Scale of the adaptation: 0 is the base, 1 the adapted policy; any finite number."""
+        return self.actor.alpha
+
+    @alpha.setter
+    def alpha(self, value: float) -> None:
+        if not math.isfinite(value):
+            raise ValueError(f"alpha must be a finite number, not {value}")
+        if self.merged and value != self.actor.alpha:
+            raise ValueError(f"the adaptors are merged at alpha = {self.actor.alpha}, which can no longer change")
+        self.actor.alpha = float(value)
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Weight of each adaptation in the blend; the one that is trained is called "main"."""
+        return dict(self.actor.weights)
+
+    def blend(self, weights: Mapping[str, float]) -> None:
+        """Set the adaptations' weights, such as {"stoop": 0.3, "limp": 0.7}; those not named get 0.
+
+        Raises:
+            ValueError: for an unknown name, a weight that is not finite, or a merged policy.
+        """
+        self._refuse_if_merged("blend")
+        self.actor.blend(weights)
+
+    def add_adaptation(self, name_or_file: str | Path, name: str | None = None, weight: float = 0.0) -> str:
+        """Add another adaptation of the same base, frozen.
+
+        Args:
+            name_or_file: name of a shipped adaptation, or a file.
+            name: what to call it in `blend`; None takes the file's stem.
+            weight: its weight at first.
 
         Returns:
-            Actions (B, n), values (B, K) in real units, log-probabilities (B,).
+            Its name.
+
+        Raises:
+            CheckpointError: if it cannot be read or adapts another base.
+            ValueError: if the name is taken, or for a merged policy.
         """
-        observation = self._split(obs)
-        self._observe(observation)
-        distribution = self._distribution(observation)
-        actions = distribution.get_actions(deterministic=deterministic)
-        values = self.value_norm.denormalize(self._normalized_values(observation))
-        return actions, values, distribution.log_prob(actions)
+        self._refuse_if_merged("add an adaptation")
+        read = read_adaptation(name_or_file)
+        check_base(read, self.base_name, self.base_hash)
+        name = (name or read.file.stem).replace(".", "_")  # torch allows no dots in module names
+        if name in self.actor.adaptations:
+            raise ValueError(f"there is an adaptation {name!r} already; this policy has {list(self.actor.adaptations)}")
+        shape = build_checked(read.file, read.card, lambda: AdaptationShape.from_dict(read.card["shape"]))
+        self._refuse_missing_heightmap(shape)
+        adaptation = Adaptation(self.architecture, shape)
+        load_checked(adaptation, read.tensors, read.file)
+        self.actor.adaptations[name] = adaptation.requires_grad_(False).to(self.device)
+        self.actor.weights[name] = float(weight)
+        return name
 
-    def _distribution(self, observation: Observation) -> DiagGaussianDistribution:
-        mean, log_std = self._gaussian(observation)
-        return DiagGaussianDistribution(self.architecture.action_size).proba_distribution(mean, log_std)
+    def load_adaptation(self, name_or_file: str | Path) -> None:
+        """Replace the weights (and the shape) of the trained adaptation by those of a file.
 
-    def get_distribution(self, obs: PyTorchObs) -> DiagGaussianDistribution:  # type: ignore[override]
-        """The Gaussian over actions, given observations."""
-        return self._distribution(self._split(obs))
+        Raises:
+            CheckpointError: if it cannot be read or adapts another base.
+        """
+        self._refuse_if_merged("load an adaptation")
+        del self.actor.adaptations[TRAINED]
+        self.add_adaptation(name_or_file, TRAINED, weight=1.0)
+        self.actor.adaptations[TRAINED].requires_grad_(True)
+        self._make_optimizer()
 
-    def evaluate_actions(  # type: ignore[override]
-        self, obs: PyTorchObs, actions: torch.Tensor
-    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-        """Values (B, K) in normalised units, log-probabilities (B,) and entropies (B,), for PPO's loss."""
-        observation = self._split(obs)
-        distribution = self._distribution(observation)
-        return self._normalized_values(observation), distribution.log_prob(actions), distribution.entropy()
+    def merge(self) -> None:
+        """Fold the adaptors, at the present alpha and weights, into the layers; actions stay equal to 1e-5.
 
-    def predict_objective_values(self, obs: PyTorchObs) -> torch.Tensor:
-        """Values (B, K) in real units."""
-        return self.value_norm.denormalize(self._normalized_values(self._split(obs)))
+        For running only: afterwards alpha and the blend are fixed, and the adaptation can no longer be saved.
+        """
+        self._refuse_if_merged("merge again")
+        self.actor = merge(self.actor).requires_grad_(False)
+        self.merged = True
 
-    def predict_values(self, obs: PyTorchObs) -> torch.Tensor:
-        """Weighted sum of the objectives' values (B, 1) in real units, what SB3 bootstraps with."""
-        values = self.predict_objective_values(obs)
-        return (values * values.new_tensor(self.objective_weights)).sum(dim=1, keepdim=True)
+    def _refuse_if_merged(self, wish: str) -> None:
+        if self.merged:
+            raise ValueError(f"cannot {wish}: this policy's adaptors are merged into its layers")
 
-    def set_training_mode(self, mode: bool) -> None:
-        """Switch between updating and collecting; collecting begins with the statistics collected so far."""
-        self.precision = use_precision(self.requested_precision, self.device)
-        if self.training and not mode:
-            for normalizer in (*self.actor.normalizers(), self.critic.normalizer):  # type: ignore[operator]
-                normalizer.apply_statistics()
-        super().set_training_mode(mode)
+    def _refuse_missing_heightmap(self, shape: AdaptationShape) -> None:
+        if shape.heightmap and not self.reads_heightmap:
+            raise ValueError(
+                f"the adaptation reads a heightmap, but the observation space {self.observation_space} has none"
+            )
 
     # -- saving and loading ------------------------------------------------------------------------------------------
 
-    def get_extra_state(self) -> torch.Tensor:
-        """The description of the networks, as JSON in a uint8 tensor; part of the state dict."""
-        description = {
-            "actor": self.describe_actor(),
-            "objective_weights": self.objective_weights,
-            "training": self.training,
-        }
-        return torch.frombuffer(bytearray(json.dumps(description, sort_keys=True).encode()), dtype=torch.uint8)
+    def describe_actor(self) -> dict[str, Any]:
+        """Base, and the shape of every adaptation."""
+        shapes = {name: adaptation.shape.to_dict() for name, adaptation in self.actor.adaptations.items()}  # type: ignore
+        return super().describe_actor() | {"adaptations": shapes, "merged": self.merged}
 
-    def set_extra_state(self, state: torch.Tensor) -> None:
-        """Nothing: `load_state_dict` has read the description before it loads the weights."""
+    def actor_from(self, description: Mapping[str, Any]) -> AdaptedActor:
+        """Base and adaptations of the described shapes."""
+        base = Backbone(Architecture.from_dict(description["architecture"]))
+        self.merged = description["merged"]
+        adaptations = {}
+        for name, values in description["adaptations"].items():
+            shape = AdaptationShape.from_dict(values)
+            adaptation = Adaptation(base.architecture, shape)
+            adaptations[name] = adaptation.requires_grad_(name == TRAINED and not self.merged)
+        return AdaptedActor(base, adaptations, self._penalties)
 
-    def load_state_dict(  # type: ignore[override]
-        self, state_dict: Mapping[str, Any], strict: bool = True, assign: bool = False
-    ) -> Any:
-        """Load weights, after rebuilding the networks if the state's description is another one."""
-        described = state_dict.get(_EXTRA)
-        if described is not None:
-            self._become(json.loads(bytes(described.cpu().tolist())))
-        return super().load_state_dict(state_dict, strict=strict, assign=assign)
+    def runtime(self) -> dict[str, Any]:
+        """Alpha and the blend's weights."""
+        return {"alpha": self.actor.alpha, "weights": self.actor.weights}
 
-    def _become(self, description: Mapping[str, Any]) -> None:
-        current = json.loads(json.dumps(self.describe_actor()))
-        device = self.device
-        self.objective_weights, old = tuple(description["objective_weights"]), self.num_objectives
-        if description["actor"] != current:
-            self._assemble(self.actor_from(description["actor"]))
-        elif self.num_objectives != old:
-            self.critic.set_objectives(self.num_objectives)
-            self._make_optimizer()
-        self.to(device)
-        self.train(description["training"])
+    def set_runtime(self, values: Mapping[str, Any]) -> None:
+        """Restore alpha and the blend's weights."""
+        self.actor.alpha, self.actor.weights = values["alpha"], dict(values["weights"])
 
-    def _get_constructor_parameters(self) -> dict[str, Any]:
-        """Arguments for `policy.load`, SB3's own file of a policy alone."""
-        return {
-            "observation_space": self.observation_space,
-            "action_space": self.action_space,
-            "lr_schedule": self._dummy_schedule,
-            "precision": self.requested_precision,
-        }
+    def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
+        """The trained adaptation, without its base."""
+        self._refuse_if_merged("save the adaptation")
+        adaptation = self.actor.adaptations[TRAINED]
+        card = super().describe_actor() | {"method": "adaptnet", "shape": adaptation.shape.to_dict()}  # type: ignore
+        return ADAPTATION, adaptation, card

@@ -11,7 +11,7 @@ from gymnasium.vector import VectorEnv
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
-import adapt_envs
+import adapt_envs as adapt_envs  # registers the ids
 
 NO_INFO: dict[str, Any] = {}  # shared by every world that goes on; nobody writes into it
 
@@ -39,7 +39,7 @@ class AdaptVecEnv(VecEnv):
         """Make the worlds.
 
         Args:
-            env: Id, spec, or a finished vector environment (then ``num_envs`` and ``env_kwargs`` do not apply).
+            env: Id, spec, or a finished vector environment (to which ``num_envs`` and what follows does not apply).
             num_envs: Number of worlds N.
             num_threads: Physics threads; None takes all cores.
             seed: Seed of the first reset.
@@ -49,9 +49,9 @@ class AdaptVecEnv(VecEnv):
         if isinstance(env, VectorEnv):
             self.worlds = env
         else:
-            if num_threads is not None:
-                env_kwargs["num_threads"] = num_threads
-            self.worlds = adapt_envs.make_vector(env, num_envs, stagger=stagger, **env_kwargs)
+            env_id, spec_kwargs = (env.id, env.kwargs) if isinstance(env, EnvSpec) else (env, {})
+            kwargs = {"num_threads": num_threads or 0, "stagger": stagger, **spec_kwargs, **env_kwargs}
+            self.worlds = gym.make_vec(env_id, num_envs, vectorization_mode="vector_entry_point", **kwargs)
         self._started = time.time()
         super().__init__(
             self.worlds.num_envs, self.worlds.single_observation_space, self.worlds.single_action_space

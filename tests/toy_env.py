@@ -42,7 +42,9 @@ class ToyVectorEnv(VectorEnv):
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}
 
-    def __init__(self, num_envs: int = 8, heightmap: bool = False, drift: float = 0.1, joints: int = JOINTS):
+    def __init__(
+        self, num_envs=8, heightmap=False, drift=0.1, joints=JOINTS, num_threads=0, stagger=False
+    ):
         self.num_envs, self.heightmap, self.drift = num_envs, heightmap, drift
         flat = gym.spaces.Box(-np.inf, np.inf, (FRAMES * LINKS * 13 + 4,), np.float32)
         heights = gym.spaces.Box(-np.inf, np.inf, (1, 35, 35), np.float32)
@@ -123,3 +125,6 @@ class ToyEnv(gym.Env):
     @staticmethod
     def _first(observation):
         return {k: v[0] for k, v in observation.items()} if isinstance(observation, dict) else observation[0]
+
+
+gym.register("Toy-v0", entry_point=ToyEnv, vector_entry_point=ToyVectorEnv)

@@ -80,7 +80,8 @@ class ReferenceMotion:
                 raise MotionError(f"clip {clip.name!r} lacks the joints {', '.join(missing)}")
         parts = [_Frames.of(clip) for clip in clips]
         starts = np.cumsum([0, *(len(part.qpos) for part in parts)])[:-1]
-        self._valid = np.concatenate([np.arange(s + _PAST, s + len(p.qpos)) for s, p in zip(starts, parts, strict=True)])
+        ranges = [np.arange(s + _PAST, s + len(part.qpos)) for s, part in zip(starts, parts, strict=True)]
+        self._valid = np.concatenate(ranges)
         self._clip_qpos = np.concatenate([part.qpos for part in parts])
         self._clip_qvel = np.concatenate([part.qvel for part in parts])
 
@@ -135,11 +136,18 @@ class ReferenceMotion:
         """`n` pose windows (n, 5, 15, 7) of the clips, uniformly over time."""
         return self._windows[rng.integers(len(self._windows), size=n)]
 
+    def pose_actions(self, chosen: NDArray[np.integer]) -> NDArray[np.float64]:
+        """Joint angles of start states by number as actions (n, nu): (q - middle of the range) / width of the range."""
+        return self._as_actions(self._qpos[self._valid[chosen], 7:])
+
     @cached_property
     def mean_pose(self) -> NDArray[np.float64]:
-        """(nu,) mean joint angles as an action: (q - middle of the range) / width of the range."""
+        """(nu,) mean joint angles as an action."""
+        return self._as_actions(self._qpos[:, 7:].mean(axis=0))
+
+    def _as_actions(self, angles: NDArray[np.float64]) -> NDArray[np.float64]:
         low, high = self.model.jnt_range[1:].T
-        return (self._qpos[:, 7:].mean(axis=0) - (low + high) / 2) / (high - low)
+        return (angles - (low + high) / 2) / (high - low)
 
 
 @lru_cache(maxsize=1)

@@ -15,10 +15,8 @@ _NO_DIRECTION = 0.01
 Array = NDArray[np.floating]
 
 
-def draw_targets(
-    root_xy: Array, heading: Array, speed: Array, seconds: Array
-) -> NDArray[np.float32]:
-    """Targets (N, 2): from `root_xy` (N, 2) along the world angle `heading` (N,) as far as `speed` goes in `seconds`."""
+def draw_targets(root_xy: Array, heading: Array, speed: Array, seconds: Array) -> NDArray[np.float32]:
+    """Targets (N, 2): from `root_xy` (N, 2) along the world angle `heading` (N,), as far as one gets in `seconds`."""
     direction = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     return (root_xy + (speed * seconds)[:, None] * direction).astype(np.float32)
 
@@ -33,7 +31,7 @@ def goal_observation(root_xy: Array, root_heading: Array, target: Array, speed: 
         speed: (N,) preferred speed [m/s].
 
     Returns:
-        (N, 4): unit direction to the target in the heading frame (zero below 1 cm), distance [m], preferred speed [m/s].
+        (N, 4): unit direction to the target in the heading frame (zero below 1 cm), distance [m], speed [m/s].
     """
     offset = target - root_xy
     distance = np.hypot(offset[:, 0], offset[:, 1])

@@ -6,7 +6,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from sb3_adaptnet.modules.normalizer import RunningNormalizer
+from sb3_adaptnet.modules.normalizer import RunningNormalizer, moments_of
 
 
 def unroll_gru(cell: nn.GRUCell, inputs: torch.Tensor) -> torch.Tensor:
@@ -86,7 +86,7 @@ class Discriminator(nn.Module):
 
     def observe(self, windows: torch.Tensor) -> None:
         """Take windows (B, frames, links, numbers) into the normaliser's statistics, effective at once."""
-        self.normalizer.observe(windows.flatten(2))
+        self.normalizer.observe(moments_of(windows.flatten(2)))
         self.normalizer.apply_statistics()
 
     def normalize(self, windows: torch.Tensor) -> torch.Tensor:

@@ -4,7 +4,7 @@ A penalty such as `beta * ||I||_2` only matters through its gradient. `add_gradi
 and adds that gradient on the way back, which equals having the penalty in a loss that is the batch's mean.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import torch
@@ -70,36 +70,36 @@ def penalise_parameters(parameters: Sequence[torch.Tensor], kappa: float) -> lis
     return [add_gradient(p, scale) for p in parameters]
 
 
-class WeightAnchor:
+class AnchorPenalty:
     """Penalty kappa * ||theta - theta_0||_2 on a network's weights: finetuning with regularisation (paper, sec. 8.1).
 
-    The gradient is added as each parameter's gradient arrives, so it works for any network. `arm` must be called in
-    every forward pass that is differentiated.
+    The gradient is added as each parameter's own gradient arrives, so the network's forward pass stays as it is.
+    `arm` must be called in every forward pass that is differentiated.
 
     Attributes:
         kappa: coefficient of the penalty.
     """
 
-    def __init__(self, network: nn.Module, anchors: dict[str, torch.Tensor], kappa: float) -> None:
+    def __init__(self, pairs: Sequence[tuple[nn.Parameter, torch.Tensor]], kappa: float) -> None:
+        """Attach to pairs of (parameter that learns, value that it is drawn to)."""
         self.kappa = kappa
-        self._pairs = [(p, anchors[name]) for name, p in network.named_parameters() if p.requires_grad]
+        self._pairs = list(pairs)
         self._scale: torch.Tensor | None = None
         for parameter, anchor in self._pairs:
-            parameter.register_post_accumulate_grad_hook(self._hook(anchor))
+            parameter.register_post_accumulate_grad_hook(self._pull_to(anchor))
 
-    def _hook(self, anchor: torch.Tensor) -> Any:
+    def _pull_to(self, anchor: torch.Tensor) -> Callable[[torch.Tensor], None]:
+        @torch.no_grad()
         def pull(parameter: torch.Tensor) -> None:
             if self._scale is not None and parameter.grad is not None:
-                parameter.grad.add_((parameter.detach() - anchor.to(parameter.device)) * self._scale)
+                parameter.grad.add_((parameter - anchor) * self._scale)
 
         return pull
 
     @torch.no_grad()
     def arm(self) -> None:
         """Measure the distance to the anchor, from which the coming backward pass takes the penalty's gradient."""
-        if torch.is_inference_mode_enabled():
-            return
-        distance = _joint_norm([p.detach() - anchor.to(p.device) for p, anchor in self._pairs])
+        distance = _joint_norm([parameter - anchor for parameter, anchor in self._pairs])
         self._scale = self.kappa * inverse_norm(distance)
 
 

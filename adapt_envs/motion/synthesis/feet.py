@@ -23,7 +23,7 @@ class Steps:
         pos: (n, 2) place of the ankle when the foot is flat [m].
         yaw: direction of the foot [rad].
         on, off: when it touches and leaves the ground [s].
-        length: distance from the previous contact [m].
+        phase: of the gait cycle when it touches [rad]; whole turns are strikes of the right foot.
     """
 
     side: NDArray[np.int64]
@@ -31,6 +31,7 @@ class Steps:
     yaw: Array
     on: Array
     off: Array
+    phase: Array
 
     def single(self, k: int) -> tuple[float, float]:
         """When contact k carries alone: from the previous foot's leaving to the next one's strike."""

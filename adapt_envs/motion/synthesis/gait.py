@@ -90,7 +90,7 @@ class Gait:
         head_yaw, head_roll, head_pitch: head relative to the heading.
         arms: waves of the right and the left arm.
         knee_out: degrees that the knees point outward.
-        hop: hopping gaits: contacts of each half cycle as (same foot again) timing; see `footsteps.skip`.
+        hop: 0, or the fraction of each half cycle at which the foot of a skip hops off, see `footsteps.skip`.
     """
 
     name: str

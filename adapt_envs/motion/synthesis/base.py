@@ -1,0 +1,50 @@
+"""Base motions: minutes of walking or running along a path."""
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, both_feet, body_motion, gait_phase, to_clip
+from adapt_envs.motion.synthesis.body import Course
+from adapt_envs.motion.synthesis.footsteps import path_steps
+from adapt_envs.motion.synthesis.gait import Gait
+from adapt_envs.motion.synthesis.path import Command, Path, follow
+
+_MARGIN = 1.5
+"""Seconds cut off at either end, where the balance is not settled."""
+
+
+def along_path(gait: Gait, commands: list[Command], seconds: float, seed: int, sideways: float) -> MotionClip:
+    """A motion of at least `seconds` along a path.
+
+    Args:
+        gait: how to move.
+        commands: the path, at least 4 s longer.
+        seconds: duration.
+        seed: of the variation from step to step.
+        sideways: largest sideways acceleration [m/s^2].
+    """
+    walking = gait.double > 0
+    path = follow(commands, DT, sideways)
+    steps = path_steps(gait, path, seed, walking)
+    t = path.t[path.t < min(steps.on[-2], seconds + 2 * _MARGIN + 0.1)]
+    course = _course(gait, path, t, both_feet(gait, steps, t), gait_phase(steps, t), walking)
+    qpos = body_motion(gait, steps, course, t)
+    first = round(_MARGIN * FPS) * OVERSAMPLING
+    qpos = qpos[first : first + (round(seconds * FPS) + 1) * OVERSAMPLING]
+    qpos[:, :2] -= qpos[0, :2]
+    return to_clip(gait.name, qpos, cyclic=False)
+
+
+def _course(gait: Gait, path: Path, t: np.ndarray, feet: tuple, phase: np.ndarray, walking: bool) -> Course:
+    n = len(t)
+    heading = path.heading[:n]
+    look = np.clip(path.at(path.heading, t + 0.3) - heading, -0.7, 0.7)
+    ahead = np.column_stack([np.cos(heading), np.sin(heading)])
+    forward = (path.acc[:n] * ahead).sum(axis=1) / 9.81
+    left = (path.acc[:n, 1] * ahead[:, 0] - path.acc[:n, 0] * ahead[:, 1]) / 9.81
+    lean = np.column_stack([-0.6 * np.arctan(left), 0.35 * np.arctan(forward)])
+    speed = path.speed[:n]
+    scale = 1.27 * speed / (speed + 0.35) if walking else 0.55 + 0.45 * speed / 2.5
+    smooth = [gaussian_filter1d(x, 0.1 / DT, axis=0, mode="nearest") for x in (look, scale, lean)]
+    return Course(heading, smooth[0], phase, smooth[1], smooth[2], feet)

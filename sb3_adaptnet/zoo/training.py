@@ -1,0 +1,159 @@
+"""Building a model from a zoo entry and training it in a run folder."""
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
+from stable_baselines3.common.logger import configure
+
+from sb3_adaptnet.callback import DiscriminatorRewardCallback
+from sb3_adaptnet.hyperparameters import Experiment, experiment
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.zoo.curve import draw_curve
+from sb3_adaptnet.zoo.progress import Progress
+from sb3_adaptnet.zoo.run_folder import RunFolder, RunSettings
+from sb3_adaptnet.zoo.saver import RunSaver
+
+
+@dataclass
+class Learner:
+    """A model with its worlds and the entry's callbacks.
+
+    Attributes:
+        model: PPO with a policy of this package.
+        discriminators: The callback that makes it multi-objective.
+        others: Further callbacks of the entry.
+    """
+
+    model: PPO
+    discriminators: DiscriminatorRewardCallback
+    others: list[BaseCallback]
+
+    @property
+    def worlds(self) -> AdaptVecEnv:
+        """The vector environment."""
+        return self.model.env  # type: ignore[return-value]
+
+
+def build_learner(settings: RunSettings, samples_done: int = 0, **overrides: Any) -> Learner:
+    """Make worlds, model and callbacks; nothing is written.
+
+    Args:
+        settings: What was asked for.
+        samples_done: Samples of a resumed run; the worlds restart with another seed.
+        **overrides: Further arguments of ``AdaptVecEnv`` (tests hand in ``env``).
+
+    Raises:
+        ValueError: If anything asked for does not exist or does not fit.
+    """
+    if settings.threads is not None:
+        torch.set_num_threads(settings.threads)
+    entry = experiment(settings.env_id, settings.base, settings.conf_file)
+    env = make_worlds(settings, entry, **overrides)
+    model = PPO(entry.policy, env, seed=settings.seed, device=settings.device, **entry.ppo)
+    env.seed(settings.seed + samples_done)
+    callbacks = [cls(**kwargs) for cls, kwargs in entry.callbacks]
+    discriminators = next((c for c in callbacks if isinstance(c, DiscriminatorRewardCallback)), None)
+    others = [c for c in callbacks if c is not discriminators]
+    return Learner(model, discriminators or DiscriminatorRewardCallback(), others)
+
+
+def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv:
+    """Make the run's vector environment."""
+    kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs}
+    kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
+    if settings.motion is not None:
+        kwargs["motion"] = settings.motion
+    return AdaptVecEnv(**{**kwargs, **overrides})
+
+
+def start(settings: RunSettings, run_dir: str | Path | None = None, **options: Any) -> RunFolder:
+    """Train from the beginning in a new folder; options are ``learn``'s."""
+    learner = build_learner(settings)
+    return learn(learner, RunFolder.new(settings, run_dir), **options)
+
+
+def resume(run: str | Path, samples: int | None = None, **options: Any) -> RunFolder:
+    """Go on with a run from its last checkpoint; weights, optimisers and random states as they were."""
+    folder = RunFolder.open(run)
+    state = folder.load(folder.settings.device)
+    if samples is not None:
+        folder.write_settings(replace(folder.settings, samples=samples))
+    learner = build_learner(folder.settings, samples_done=int(state["samples"]))
+    return learn(learner, folder, state=state, **options)
+
+
+def learn(
+    learner: Learner,
+    folder: RunFolder,
+    state: dict[str, Any] | None = None,
+    minutes: float = 3.0,
+    quiet: bool = False,
+) -> RunFolder:
+    """Train until the folder's number of samples, Ctrl-C or SIGTERM, then save.
+
+    Args:
+        learner: What to train.
+        folder: Where checkpoint, progress.csv, curve.png and TensorBoard's events go.
+        state: Checkpoint to go on from.
+        minutes: Time between checkpoints.
+        quiet: Show no progress.
+
+    Returns:
+        The folder.
+    """
+    model, discriminators = learner.model, learner.discriminators
+    saver = RunSaver(folder, discriminators, minutes, state)
+    progress = Progress(folder, discriminators, saver.seconds, quiet)
+    done = int(state["samples"]) if state else 0
+    model.num_timesteps = done
+    model.set_logger(configure(str(folder.path), ["tensorboard"]))
+    callbacks = CallbackList([discriminators, *learner.others, CurveDrawer(progress), progress, saver])
+    with stopping(saver):
+        model.learn(max(folder.settings.samples - done, 0), callback=callbacks, reset_num_timesteps=False)
+    saver.save()
+    learner.worlds.close()
+    return folder
+
+
+class CurveDrawer(BaseCallback):
+    """Redraws the learning curve every 25 rollouts."""
+
+    def __init__(self, progress: Progress, rollouts: int = 25) -> None:
+        """Draw ``progress``'s rows every ``rollouts`` rollouts."""
+        super().__init__()
+        self.progress, self.rollouts, self._count = progress, rollouts, 0
+
+    def _on_step(self) -> bool:
+        return True
+
+    def _on_rollout_start(self) -> None:
+        self._count += 1
+        if self._count % self.rollouts == 0:
+            draw_curve(self.progress.rows, self.progress.folder)
+
+
+@contextmanager
+def stopping(saver: RunSaver) -> Iterator[None]:
+    """The first Ctrl-C or SIGTERM asks the run to save and leave; the second ends it as usual."""
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in signals}
+
+    def ask(number: int, frame: Any) -> None:
+        del frame
+        signal.signal(number, before[number])
+        saver.ask_to_stop()
+
+    for number in signals:
+        signal.signal(number, ask)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,38 @@
+"""The native vector environment under the constructor that rl_zoo3 calls."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import gymnasium as gym
+from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
+
+from sb3_adaptnet.vec_env import AdaptVecEnv
+
+
+class ZooVecEnv(AdaptVecEnv):
+    """``AdaptVecEnv`` made from a list of functions, like ``DummyVecEnv``: N functions stand for N worlds.
+
+    Only the first is called, for its spec. More than one world means training: the first episodes' lengths are spread.
+    An environment that opens a window cannot be batched; it becomes a ``DummyVecEnv``.
+    """
+
+    def __new__(cls, env_fns: Sequence[Callable[[], gym.Env]], **env_kwargs: Any) -> VecEnv:  # type: ignore[misc]
+        """Choose between the native worlds and ``DummyVecEnv``."""
+        single = env_fns[0]()
+        single.close()
+        if single.render_mode == "human":
+            return DummyVecEnv(list(env_fns))
+        return super().__new__(cls)
+
+    def __init__(self, env_fns: Sequence[Callable[[], gym.Env]], **env_kwargs: Any) -> None:
+        """Make ``len(env_fns)`` worlds.
+
+        Raises:
+            ValueError: If the environment was not made from a registered id.
+        """
+        single = env_fns[0]()
+        spec = single.spec
+        single.close()
+        if spec is None:
+            raise ValueError("ZooVecEnv needs a registered environment; this one has no spec")
+        super().__init__(spec, num_envs=len(env_fns), stagger=len(env_fns) > 1, **env_kwargs)
