@@ -16,7 +16,7 @@ Image = NDArray[np.uint8]
 """A picture: (height, width, 3), red, green and blue."""
 
 
-class RenderingError(RuntimeError):
+class RenderingError(OSError):
     """No picture can be drawn on this machine as it is; the message says what is missing."""
 
 

@@ -10,6 +10,7 @@ from stable_baselines3.common.type_aliases import Schedule
 from torch import nn
 
 from sb3_adaptnet.checkpoint import ADAPTATION, BASE, check_base, load_checked, read_adaptation
+from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.anchored import AnchoredActor
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import Backbone
@@ -28,11 +29,11 @@ class FinetunePolicy(AdaptingPolicy):
 
     actor: Backbone
 
-    def adapt(self, base: Backbone) -> nn.Module:
+    def adapt(self, base: Backbone) -> Actor:
         """A copy of the base that learns."""
         return finetuned_copy(base, self.reads_heightmap)
 
-    def actor_from(self, description: Mapping[str, Any]) -> nn.Module:
+    def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """A network of the described sizes."""
         return _learning(Backbone(Architecture.from_dict(description["architecture"])))
 
@@ -60,11 +61,11 @@ class RegularizedFinetunePolicy(AdaptingPolicy):
         self.kappa = kappa
         super().__init__(observation_space, action_space, lr_schedule, use_sde, base, **settings)
 
-    def adapt(self, base: Backbone) -> nn.Module:
+    def adapt(self, base: Backbone) -> Actor:
         """A copy of the base that learns, and the base."""
         return AnchoredActor(finetuned_copy(base, self.reads_heightmap), base, self.kappa)
 
-    def actor_from(self, description: Mapping[str, Any]) -> nn.Module:
+    def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """Two networks of the described sizes; the base's heightmap is its own matter."""
         architecture = Architecture.from_dict(description["architecture"])
         base = Backbone(replace(architecture, heightmap=description["base_heightmap"]))
@@ -84,13 +85,13 @@ class ProgressivePolicy(AdaptingPolicy):
 
     actor: ProgressiveActor
 
-    def adapt(self, base: Backbone) -> nn.Module:
+    def adapt(self, base: Backbone) -> Actor:
         """The base and a fresh column, whose mean head starts at the base's bias."""
         actor = ProgressiveActor(base, self.reads_heightmap)
         actor.start_from_base()
         return actor
 
-    def actor_from(self, description: Mapping[str, Any]) -> nn.Module:
+    def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """Base and column of the described sizes."""
         return ProgressiveActor(
             Backbone(Architecture.from_dict(description["architecture"])), description["column_heightmap"]
@@ -103,8 +104,7 @@ class ProgressivePolicy(AdaptingPolicy):
 
     def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
         """The column and its laterals, without the base."""
-        own = nn.ModuleDict({"column": self.actor.column, "laterals": self.actor.laterals})
-        return ADAPTATION, own, self.describe_actor() | {"method": "progressive"}
+        return ADAPTATION, self._added(), self.describe_actor() | {"method": "progressive"}
 
     def load_adaptation(self, name_or_file: str | Path) -> None:
         """Replace the column's weights by those of a file.
@@ -114,7 +114,10 @@ class ProgressivePolicy(AdaptingPolicy):
         """
         read = read_adaptation(name_or_file)
         check_base(read, self.base_name, self.base_hash)
-        load_checked(nn.ModuleDict({"column": self.actor.column, "laterals": self.actor.laterals}), read.tensors, read.file)
+        load_checked(self._added(), read.tensors, read.file)
+
+    def _added(self) -> nn.Module:
+        return nn.ModuleDict({"column": self.actor.column, "laterals": self.actor.laterals})
 
 
 def finetuned_copy(base: Backbone, heightmap: bool) -> Backbone:

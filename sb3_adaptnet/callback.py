@@ -71,6 +71,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.objectives = tuple(self.weights)
         self.imitation: ImitationObjective | None = None
         self.metrics: dict[str, float] = {}
+        self.kl: float | None = None
         self.rng = np.random.default_rng()
 
     def _init_callback(self) -> None:
@@ -116,9 +117,10 @@ class DiscriminatorRewardCallback(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         self.rollout.clear()
-        kl = self.logger.name_to_value.get("train/approx_kl")
-        if self.kl_range is not None and kl is not None:
-            self._steer(float(kl))
+        kl = self.logger.name_to_value.get("train/approx_kl")  # of the update between the two rollouts
+        self.kl = float(kl) if kl is not None else None
+        if self.kl_range is not None and self.kl is not None:
+            self._steer(self.kl)
 
     def _steer(self, kl: float) -> None:
         group = self.model.policy.optimizer.group("actor")  # type: ignore[attr-defined]
@@ -172,6 +174,8 @@ class DiscriminatorRewardCallback(BaseCallback):
             self.metrics["episode_length"] = float(np.mean(self.rollout.lengths))
         group = self.model.policy.optimizer.group("actor")  # type: ignore[attr-defined]
         self.metrics["actor_lr"] = group["lr"] * group["lr_scale"]
+        if self.kl is not None:
+            self.metrics["kl"] = self.kl
         for name, value in self.metrics.items():
             self.logger.record(f"objectives/{name}", value)
         for name, value in statistics.items():

@@ -1,7 +1,7 @@
 """Experiments of the zoo's YAML files: what to train with on an environment."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -144,11 +144,11 @@ def load_class(name: str, where: str) -> type:
         raise ValueError(f"{where}: no class {name!r} ({error})") from error
 
 
-def arguments_of(function: Callable[..., Any]) -> tuple[str, ...]:
+def arguments_of(cls: type) -> tuple[str, ...]:
     """Names of a class's constructor arguments, its bases' as well where it hands ``**kwargs`` on."""
     names: dict[str, None] = {}
-    for cls in inspect.getmro(function) if inspect.isclass(function) else ():
-        parameters = inspect.signature(cls.__init__).parameters.values()
+    for base in inspect.getmro(cls):
+        parameters = inspect.signature(base).parameters.values()
         names.update((p.name, None) for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY))
         if not any(p.kind is p.VAR_KEYWORD for p in parameters):
             break

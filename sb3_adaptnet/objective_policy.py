@@ -9,8 +9,8 @@ from gymnasium import spaces
 from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
-from torch import nn
 
+from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.critic import Critic
 from sb3_adaptnet.modules.normalizer import moments_of
@@ -41,7 +41,7 @@ class ObjectivePolicy(ActorCriticPolicy):
         precision: the precision in use: "fp32", "medium" or "bf16".
     """
 
-    actor: nn.Module
+    actor: Actor
     critic: Critic
     optimizer: torch.optim.Optimizer
 
@@ -102,14 +102,14 @@ class ObjectivePolicy(ActorCriticPolicy):
         """JSON values from which `actor_from` builds an actor of the same shape."""
         raise NotImplementedError
 
-    def actor_from(self, description: Mapping[str, Any]) -> nn.Module:
+    def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """An actor of the described shape; its weights are about to be loaded."""
         raise NotImplementedError
 
     @property
     def architecture(self) -> Architecture:
         """Sizes of the policy network."""
-        return self.actor.architecture  # type: ignore[return-value]
+        return self.actor.architecture
 
     def runtime(self) -> dict[str, Any]:
         """JSON values that may change while the policy runs, and do not change its networks' shapes."""
@@ -120,7 +120,7 @@ class ObjectivePolicy(ActorCriticPolicy):
 
     # -- assembly ----------------------------------------------------------------------------------------------------
 
-    def assemble(self, actor: nn.Module) -> None:
+    def assemble(self, actor: Actor) -> None:
         """Put in an actor, a fresh critic of its sizes and an optimiser for both."""
         self.actor = actor
         self._check_sizes()
@@ -190,7 +190,7 @@ class ObjectivePolicy(ActorCriticPolicy):
     def _observe(self, observation: Observation) -> None:
         """Collect input statistics; they act from the next rollout on."""
         moments = moments_of(observation.frames)
-        for normalizer in (*self.actor.normalizers(), self.critic.normalizer):  # type: ignore[operator]
+        for normalizer in (*self.actor.normalizers(), self.critic.normalizer):
             normalizer.observe(moments)
 
     def forward(  # type: ignore[override]
@@ -226,7 +226,8 @@ class ObjectivePolicy(ActorCriticPolicy):
         """Values (B, K) in normalised units, log-probabilities (B,) and entropies (B,), for PPO's loss."""
         observation = self._split(obs)
         distribution = self._distribution(observation)
-        return self._normalized_values(observation), distribution.log_prob(actions), distribution.entropy()
+        entropy = distribution.distribution.entropy().sum(dim=1)
+        return self._normalized_values(observation), distribution.log_prob(actions), entropy
 
     def predict_objective_values(self, obs: PyTorchObs) -> torch.Tensor:
         """Values (B, K) in real units."""
@@ -241,7 +242,7 @@ class ObjectivePolicy(ActorCriticPolicy):
         """Switch between updating and collecting; collecting begins with the statistics collected so far."""
         self.precision = use_precision(self.requested_precision, self.device)
         if self.training and not mode:
-            for normalizer in (*self.actor.normalizers(), self.critic.normalizer):  # type: ignore[operator]
+            for normalizer in (*self.actor.normalizers(), self.critic.normalizer):
                 normalizer.apply_statistics()
         super().set_training_mode(mode)
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import torch
 from gymnasium import spaces
 from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
 from torch import nn
@@ -22,6 +21,7 @@ from sb3_adaptnet.checkpoint import (
     read_base,
     resolve,
 )
+from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.adapted import Adaptation, AdaptedActor, Penalties
 from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
 from sb3_adaptnet.modules.backbone import Backbone
@@ -77,7 +77,7 @@ class PretrainPolicy(ObjectivePolicy):
         """The sizes."""
         return {"architecture": self.architecture.to_dict()}
 
-    def actor_from(self, description: Mapping[str, Any]) -> nn.Module:
+    def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """A network of the described sizes."""
         return Backbone(Architecture.from_dict(description["architecture"]))
 
@@ -133,7 +133,7 @@ class AdaptingPolicy(ObjectivePolicy):
         warnings.warn(f"{self._missing}; the policy cannot act unless a saved state is loaded into it", stacklevel=4)
         return Base(Backbone(Architecture(self.joints)), file.stem, "", {})
 
-    def adapt(self, base: Backbone) -> nn.Module:
+    def adapt(self, base: Backbone) -> Actor:
         """The actor at the start of training, made from a base for this character's joints."""
         raise NotImplementedError
 
@@ -320,7 +320,7 @@ class AdaptNetPolicy(AdaptingPolicy):
 
     def describe_actor(self) -> dict[str, Any]:
         """Base, and the shape of every adaptation."""
-        shapes = {name: adaptation.shape.to_dict() for name, adaptation in self.actor.adaptations.items()}  # type: ignore
+        shapes = {name: adaptation.shape.to_dict() for name, adaptation in self.actor.parts().items()}
         return super().describe_actor() | {"adaptations": shapes, "merged": self.merged}
 
     def actor_from(self, description: Mapping[str, Any]) -> AdaptedActor:
@@ -345,6 +345,6 @@ class AdaptNetPolicy(AdaptingPolicy):
     def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
         """The trained adaptation, without its base."""
         self._refuse_if_merged("save the adaptation")
-        adaptation = self.actor.adaptations[TRAINED]
-        card = super().describe_actor() | {"method": "adaptnet", "shape": adaptation.shape.to_dict()}  # type: ignore
+        adaptation = self.actor.parts()[TRAINED]
+        card = super().describe_actor() | {"method": "adaptnet", "shape": adaptation.shape.to_dict()}
         return ADAPTATION, adaptation, card

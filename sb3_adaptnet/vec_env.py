@@ -53,9 +53,7 @@ class AdaptVecEnv(VecEnv):
             kwargs = {"num_threads": num_threads or 0, "stagger": stagger, **spec_kwargs, **env_kwargs}
             self.worlds = gym.make_vec(env_id, num_envs, vectorization_mode="vector_entry_point", **kwargs)
         self._started = time.time()
-        super().__init__(
-            self.worlds.num_envs, self.worlds.single_observation_space, self.worlds.single_action_space
-        )
+        super().__init__(self.worlds.num_envs, self.worlds.single_observation_space, self.worlds.single_action_space)
         self._seeds[0] = seed
         self._actions = np.zeros(self.worlds.action_space.shape or (), np.float32)
         self._returns = np.zeros(self.num_envs)
@@ -139,7 +137,7 @@ class AdaptVecEnv(VecEnv):
     def get_images(self) -> Sequence[np.ndarray | None]:
         """Pictures of the worlds, as far as the vector environment renders them."""
         frames = self.worlds.render()
-        return [] if frames is None else list(frames)
+        return [] if frames is None else [np.asarray(frame) for frame in frames]
 
 
 def copy_observations(observations: Any) -> Any:
@@ -147,4 +145,3 @@ def copy_observations(observations: Any) -> Any:
     if isinstance(observations, dict):
         return {key: np.array(value) for key, value in observations.items()}
     return np.array(observations)
-

@@ -42,15 +42,11 @@ class ToyVectorEnv(VectorEnv):
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}
 
-    def __init__(
-        self, num_envs=8, heightmap=False, drift=0.1, joints=JOINTS, num_threads=0, stagger=False
-    ):
+    def __init__(self, num_envs=8, heightmap=False, drift=0.1, joints=JOINTS, num_threads=0, stagger=False):
         self.num_envs, self.heightmap, self.drift = num_envs, heightmap, drift
         flat = gym.spaces.Box(-np.inf, np.inf, (FRAMES * LINKS * 13 + 4,), np.float32)
         heights = gym.spaces.Box(-np.inf, np.inf, (1, 35, 35), np.float32)
-        self.single_observation_space = (
-            gym.spaces.Dict(observation=flat, heightmap=heights) if heightmap else flat
-        )
+        self.single_observation_space = gym.spaces.Dict(observation=flat, heightmap=heights) if heightmap else flat
         self.single_action_space = ToySpace(joints)
         self.observation_space = gym.vector.utils.batch_space(self.single_observation_space, num_envs)
         self.action_space = gym.vector.utils.batch_space(self.single_action_space, num_envs)

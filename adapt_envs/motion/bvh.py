@@ -212,25 +212,33 @@ def _checked(reader: _Reader, joints: list[_Joint]) -> list[_Joint]:
 def _frames(reader: _Reader, count: int, width: int) -> NDArray[np.float64]:
     """The numbers (count, width) of the motion, one frame to a line."""
     first = reader.line  # lines before it are read
-    rows = [(i, line.split()) for i, line in enumerate(reader.lines[first:], start=first + 1) if line.strip()]
-    for number, row in rows[:count]:
-        if len(row) != width:
-            reader.fail(f"{len(row)} numbers, the hierarchy has {width} channels", number)
-    if len(rows) < count:
-        reader.fail(f"the file ends after {len(rows)} of {count} frames", len(reader.lines))
-    if len(rows) > count:
-        reader.fail(f"more lines than the {count} frames declared", rows[count][0])
-    try:
-        numbers = np.array([row for _, row in rows], dtype=np.float64)
-    except ValueError:
-        number, word = next((n, w) for n, row in rows for w in row if not _is_number(w))
-        reader.fail(f"{word[:40]!r} is not a number", number)
-    with np.errstate(invalid="ignore"):
-        bad = ~(np.abs(numbers) <= _MAX_NUMBER)
-    if bad.any():
-        frame, channel = np.argwhere(bad)[0]
-        reader.fail(f"channel {channel + 1} is {rows[frame][1][channel][:40]}", rows[frame][0])
+    numbered = [i for i, line in enumerate(reader.lines[first:], start=first + 1) if line and not line.isspace()]
+    if len(numbered) > count:
+        reader.fail(f"more lines than the {count} frames declared", numbered[count])
+    if len(numbered) < count and numbered and len(reader.lines[numbered[-1] - 1].split()) == width:
+        reader.fail(f"the file ends after {len(numbered)} of {count} frames", numbered[-1])
+    if not numbered:
+        reader.fail(f"the file ends before the first of {count} frames", len(reader.lines))
+    numbers = np.empty((len(numbered), width))
+    for row, line in zip(numbers, numbered, strict=True):
+        row[:] = _frame(reader, line, width)
     return numbers
+
+
+def _frame(reader: _Reader, line: int, width: int) -> NDArray[np.float64]:
+    words = reader.lines[line - 1].split()
+    if len(words) != width:
+        reader.fail(f"{len(words)} numbers, the hierarchy has {width} channels", line)
+    try:
+        values = np.array(words, dtype=np.float64)
+    except ValueError:
+        word = next(word for word in words if not _is_number(word))
+        reader.fail(f"{word[:40]!r} is not a number", line)
+    sane = np.abs(values) <= _MAX_NUMBER
+    if not sane.all():
+        channel = int(np.argmin(sane))
+        reader.fail(f"channel {channel + 1} is {words[channel][:40]}", line)
+    return values
 
 
 def _is_number(word: str) -> bool:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from adapt_envs.motion.clip import MotionError
 
-MAX_BYTES = 256 * 2**20
-"""Largest file that is read: an hour of motion capture at 120 Hz, roughly."""
+MAX_BYTES = 128 * 2**20
+"""Largest file that is read: twenty minutes of motion capture at 120 Hz."""
 
 
 def read_text(path: Path, suffixes: tuple[str, ...], max_bytes: int = MAX_BYTES) -> str:

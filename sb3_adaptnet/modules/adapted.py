@@ -2,16 +2,19 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from itertools import islice
+from typing import NamedTuple, cast
 
 import torch
 from torch import nn
 from torch.nn import functional
 
-from sb3_adaptnet.modules.adaptors import make_adaptors
+from sb3_adaptnet.modules.actor import Actor
+from sb3_adaptnet.modules.adaptors import FullAdaptor, make_adaptors
 from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.injector import Injector
+from sb3_adaptnet.modules.lora import LowRankAdaptor
 from sb3_adaptnet.modules.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 from sb3_adaptnet.modules.regularizers import penalise_injections, penalise_parameters
@@ -39,6 +42,11 @@ class Adaptation(nn.Module):
         self.injector = Injector(architecture, shape) if shape.injector else None
         self.adaptors = make_adaptors(shape, architecture.latent_sizes)
 
+    @property
+    def trained(self) -> bool:
+        """Whether its weights learn; further adaptations in a blend do not."""
+        return any(p.requires_grad for p in self.parameters())
+
     def start_from(self, base: Backbone) -> None:
         """Copy the base's encoder into the injector; everything else is zero and stays so."""
         if self.injector is not None:
@@ -54,15 +62,13 @@ class Adaptation(nn.Module):
         """(Delta W, Delta b) of every hidden layer (eq. 8), with the gradient of their penalty attached."""
         if self.adaptors is None:
             return []
-        names = [[name for name, _ in adaptor.named_parameters()] for adaptor in self.adaptors]
+        counts = [len(list(adaptor.parameters())) for adaptor in self.adaptors]
         values = iter(penalise_parameters(list(self.adaptors.parameters()), kappa))
-        return [
-            adaptor.delta(**{name: next(values) for name in own})  # type: ignore[operator]
-            for adaptor, own in zip(self.adaptors, names, strict=True)
-        ]
+        adaptors = cast(list[FullAdaptor | LowRankAdaptor], self.adaptors)
+        return [adaptor.delta(*islice(values, n)) for adaptor, n in zip(adaptors, counts, strict=True)]
 
 
-class AdaptedActor(nn.Module):
+class AdaptedActor(Actor):
     """A frozen base with adaptations, each scaled by alpha times its weight (the interpolation equations of sec. 8.1).
 
     With one adaptation of weight 1, alpha = 0 is the base and alpha = 1 the adapted policy.
@@ -79,16 +85,16 @@ class AdaptedActor(nn.Module):
         self, base: Backbone, adaptations: Mapping[str, Adaptation], penalties: Penalties | None = None
     ) -> None:
         super().__init__()
+        self.architecture = base.architecture
         self.base = base.requires_grad_(False)
         self.adaptations = nn.ModuleDict(adaptations)
         self.weights = dict.fromkeys(adaptations, 1.0)
         self.alpha = 1.0
         self.penalties = penalties or Penalties()
 
-    @property
-    def architecture(self) -> Architecture:
-        """The base's sizes."""
-        return self.base.architecture
+    def parts(self) -> dict[str, Adaptation]:
+        """The adaptations by name."""
+        return {name: cast(Adaptation, module) for name, module in self.adaptations.items()}
 
     def blend(self, weights: Mapping[str, float]) -> None:
         """Set the weights of the adaptations; those not named get 0.
@@ -106,15 +112,16 @@ class AdaptedActor(nn.Module):
 
     def active(self) -> list[tuple[float, Adaptation]]:
         """(alpha * weight, adaptation) of every adaptation that acts."""
-        scaled = ((self.alpha * self.weights[name], adaptation) for name, adaptation in self.adaptations.items())
-        return [(scale, adaptation) for scale, adaptation in scaled if scale != 0.0]  # type: ignore[misc]
+        scaled = [(self.alpha * self.weights[name], adaptation) for name, adaptation in self.parts().items()]
+        return [(scale, adaptation) for scale, adaptation in scaled if scale != 0.0]
 
     def hidden_layers(self) -> list[tuple[torch.Tensor, torch.Tensor]]:
         """(W + sum of scaled Delta W, b + sum of scaled Delta b) of every hidden layer.
 
         One product with the summed weights equals the base's plus the adaptors' outputs (eq. 8) and is cheaper.
         """
-        layers = [(layer.weight, layer.bias) for layer in self.base.layers]
+        base_layers = cast(list[nn.Linear], self.base.layers)
+        layers: list[tuple[torch.Tensor, torch.Tensor]] = [(layer.weight, layer.bias) for layer in base_layers]
         for scale, adaptation in self.active():
             for index, (weight, bias) in enumerate(adaptation.increments(self.penalties.kappa)):
                 old_weight, old_bias = layers[index]
@@ -148,6 +155,6 @@ class AdaptedActor(nn.Module):
         return self.base.heads(latent)
 
     def normalizers(self) -> Sequence[RunningNormalizer]:
-        """The normalisers that learn while samples are collected: the injectors', never the base's."""
-        injectors = [adaptation.injector for adaptation in self.adaptations.values()]
-        return [n for injector in injectors if injector is not None for n in injector.normalizers()]  # type: ignore
+        """The normaliser of the injector that learns; the base's and those of other adaptations stay."""
+        injectors = [adaptation.injector for adaptation in self.parts().values() if adaptation.trained]
+        return [n for injector in injectors if injector is not None for n in injector.normalizers()]

@@ -3,16 +3,15 @@
 from collections.abc import Sequence
 
 import torch
-from torch import nn
 
-from sb3_adaptnet.modules.architecture import Architecture
+from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 from sb3_adaptnet.modules.regularizers import AnchorPenalty
 
 
-class AnchoredActor(nn.Module):
+class AnchoredActor(Actor):
     """A network that learns, drawn to the weights of the base it started from.
 
     Attributes:
@@ -23,17 +22,13 @@ class AnchoredActor(nn.Module):
 
     def __init__(self, network: Backbone, base: Backbone, kappa: float) -> None:
         super().__init__()
+        self.architecture = network.architecture
         self.network = network
         self.base = base.requires_grad_(False)
         self.kappa = kappa
         known = dict(base.named_parameters())
         learning = ((name, p) for name, p in network.named_parameters() if p.requires_grad and name in known)
         self._penalty = AnchorPenalty([(p, known[name]) for name, p in learning], kappa)
-
-    @property
-    def architecture(self) -> Architecture:
-        """The network's sizes."""
-        return self.network.architecture
 
     def forward(self, observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
         """Mean and log standard deviation (B, action_size) of the Gaussian over actions."""
@@ -42,5 +37,5 @@ class AnchoredActor(nn.Module):
         return self.network(observation)
 
     def normalizers(self) -> Sequence[RunningNormalizer]:
-        """The normalisers that learn while samples are collected."""
+        """The normaliser of the network that learns."""
         return self.network.normalizers()

@@ -56,7 +56,8 @@ class Architecture:
         Raises:
             TypeError: for a name that is not a field, or a missing one.
         """
-        return cls(**{name: tuple(value) if isinstance(value, list) else value for name, value in values.items()})
+        sizes: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in values.items()}
+        return cls(**sizes)
 
 
 @dataclass(frozen=True)

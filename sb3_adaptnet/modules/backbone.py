@@ -8,6 +8,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.modules.heightmap import CODE_SIZE, HeightmapEncoder, require_heightmap
@@ -21,14 +22,14 @@ LOG_STD_LIMITS = (-5.0, 1.0)  # keeps exp(log_std) finite whatever the optimiser
 
 def make_hidden_layers(sizes: Sequence[int]) -> nn.ModuleList:
     """Fully connected layers between latent spaces of the given widths, orthogonal with gain sqrt(2)."""
-    layers = nn.ModuleList(nn.Linear(narrow, wide) for narrow, wide in zip(sizes[:-1], sizes[1:], strict=True))
+    layers = [nn.Linear(inputs, outputs) for inputs, outputs in zip(sizes[:-1], sizes[1:], strict=True)]
     for layer in layers:
         nn.init.orthogonal_(layer.weight, gain=math.sqrt(2.0))
         nn.init.zeros_(layer.bias)
-    return layers
+    return nn.ModuleList(layers)
 
 
-class Backbone(nn.Module):
+class Backbone(Actor):
     """Normaliser, GRU, fully connected layers with ReLU6, and two linear heads.
 
     Attributes:
@@ -98,7 +99,7 @@ class Backbone(nn.Module):
         return self.heads(self.latents(observation)[-1])
 
     def normalizers(self) -> list[RunningNormalizer]:
-        """The normalisers that learn while samples are collected."""
+        """The network's own normaliser."""
         return [self.normalizer]
 
     def with_joints(self, joints: Sequence[str]) -> "Backbone":

@@ -47,4 +47,3 @@ class Critic(nn.Module):
         """Replace the head by a fresh one with `count` outputs."""
         old = self.head.linear
         self.head = PopArtHead(old.in_features, count).to(old.weight.device)
-

@@ -32,10 +32,11 @@ class Injector(nn.Module):
         self.encoder = StateEncoder(architecture.frame_size, architecture.gru_size) if shape.own_encoder else None
         self.heightmap = HeightmapEncoder() if shape.heightmap else None
         width = architecture.latent_sizes[0] + (CODE_SIZE if shape.heightmap else 0)
-        self.maps = nn.ModuleList(nn.Linear(width, architecture.latent_sizes[space]) for space in self.spaces)
-        for linear in self.maps:
+        maps = [nn.Linear(width, architecture.latent_sizes[space]) for space in self.spaces]
+        for linear in maps:
             nn.init.zeros_(linear.weight)
             nn.init.zeros_(linear.bias)
+        self.maps = nn.ModuleList(maps)
 
     def start_from(self, base: Backbone) -> None:
         """Copy the base's encoder and statistics (paper, sec. 4: "copying the original encoder parameters")."""

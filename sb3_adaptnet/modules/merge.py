@@ -2,8 +2,10 @@
 
 import copy
 from dataclasses import replace
+from typing import cast
 
 import torch
+from torch import nn
 
 from sb3_adaptnet.modules.adapted import Adaptation, AdaptedActor
 
@@ -22,11 +24,11 @@ def merge(actor: AdaptedActor) -> AdaptedActor:
         A network with the same outputs up to rounding.
     """
     base = copy.deepcopy(actor.base)
-    for layer, (weight, bias) in zip(base.layers, actor.hidden_layers(), strict=True):
+    for layer, (weight, bias) in zip(cast(list[nn.Linear], base.layers), actor.hidden_layers(), strict=True):
         layer.weight.copy_(weight)
         layer.bias.copy_(bias)
     adaptations: dict[str, Adaptation] = {}
-    for name, adaptation in actor.adaptations.items():
+    for name, adaptation in actor.parts().items():
         injector_only = Adaptation(actor.architecture, replace(adaptation.shape, adaptors=None))
         injector_only.injector = copy.deepcopy(adaptation.injector)
         adaptations[name] = injector_only

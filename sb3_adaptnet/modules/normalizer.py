@@ -13,12 +13,12 @@ class Moments(NamedTuple):
     """Moments of a batch of frames, float64.
 
     Attributes:
-        count: number of frames.
+        samples: number of frames.
         mean: (size,).
         var: (size,) population variance.
     """
 
-    count: int
+    samples: int
     mean: torch.Tensor
     var: torch.Tensor
 
@@ -68,8 +68,8 @@ class RunningNormalizer(nn.Module):
     def observe(self, moments: Moments) -> None:
         """Add a batch's moments to the collected statistics (Chan et al. 1979, pairwise update)."""
         first = bool(self.count == 0)
-        total = self.count + moments.count
-        weight = moments.count / total
+        total = self.count + moments.samples
+        weight = moments.samples / total
         shift = moments.mean - self.running_mean
         self.running_var.lerp_(moments.var, weight).add_(shift.square() * weight * (1 - weight))
         self.running_mean.add_(shift * weight)

@@ -11,7 +11,8 @@ class Observation(NamedTuple):
     """A batch of observations, split.
 
     Attributes:
-        frames: body states (B, frame_count, frame_size), oldest first, in the latest root's heading frame [m, m/s, rad/s].
+        frames: body states (B, frame_count, frame_size), oldest first, in the latest root's heading frame [m, m/s,
+            rad/s].
         goal: (B, goal_size): unit direction in the heading frame, distance [m], preferred speed [m/s].
         heightmap: (B, 1, 35, 35) terrain heights relative to the ground under the root [m], or None.
     """
@@ -38,7 +39,9 @@ def split_observation(
         ValueError: if the width is not the architecture's.
     """
     if flat.shape[-1] != architecture.observation_size:
-        raise ValueError(f"observation has {flat.shape[-1]} numbers, but the network reads {architecture.observation_size}")
+        raise ValueError(
+            f"observations have {flat.shape[-1]} numbers, the network reads {architecture.observation_size}"
+        )
     body = flat[:, : -architecture.goal_size]
     frames = body.reshape(-1, architecture.frame_count, architecture.frame_size)
     return Observation(frames, flat[:, -architecture.goal_size :], heightmap)

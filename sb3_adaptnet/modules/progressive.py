@@ -7,14 +7,14 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from sb3_adaptnet.modules.architecture import Architecture
+from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.backbone import HEAD_GAIN, Backbone
 from sb3_adaptnet.modules.injector import PRIOR_SAMPLES
 from sb3_adaptnet.modules.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 
 
-class ProgressiveActor(nn.Module):
+class ProgressiveActor(Actor):
     """A new column beside the frozen base; each of its layers also reads the base's latent before it.
 
     It cannot start as the base does, which is the paper's point. The log standard deviation is the base's, so that
@@ -28,18 +28,17 @@ class ProgressiveActor(nn.Module):
 
     def __init__(self, base: Backbone, heightmap: bool = False) -> None:
         super().__init__()
+        self.architecture = base.architecture
         self.base = base.requires_grad_(False)
         self.column = Backbone(replace(base.architecture, heightmap=heightmap))
         self.column.log_std.requires_grad_(False)
         sizes = base.architecture.latent_sizes
         outputs = (*sizes[1:], base.architecture.action_size)
-        self.laterals = nn.ModuleList(nn.Linear(i, o, bias=False) for i, o in zip(sizes, outputs, strict=True))
-        nn.init.orthogonal_(self.laterals[-1].weight, gain=HEAD_GAIN)  # type: ignore[arg-type]
-
-    @property
-    def architecture(self) -> Architecture:
-        """The base's sizes."""
-        return self.base.architecture
+        laterals = [nn.Linear(i, o, bias=False) for i, o in zip(sizes, outputs, strict=True)]
+        nn.init.orthogonal_(laterals[-1].weight, gain=HEAD_GAIN)
+        self.laterals = nn.ModuleList(laterals)
+        with torch.no_grad():
+            self.column.mean.bias.copy_(base.mean.bias)
 
     def start_from_base(self) -> None:
         """Take over the base's input statistics; the column's weights stay random."""
@@ -59,5 +58,5 @@ class ProgressiveActor(nn.Module):
         return mean, self.base.heads(base_latents[-1])[1]
 
     def normalizers(self) -> Sequence[RunningNormalizer]:
-        """The normalisers that learn while samples are collected: the column's, never the base's."""
+        """The column's normaliser."""
         return [self.column.normalizer]

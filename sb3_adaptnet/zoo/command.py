@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import gymnasium as gym
 
-from adapt_envs.commands import bench as bench_env
+from sb3_adaptnet.zoo import bench_env
 from adapt_envs.commands import doctor, motions
 from sb3_adaptnet.zoo import bench, export, train
 
@@ -25,7 +25,7 @@ def make_parser() -> argparse.ArgumentParser:
     bench_parser = subparsers.add_parser("bench", help="measure speed")
     benches = bench_parser.add_subparsers(dest="bench", required=True, metavar="WHAT")
     bench_env.add_parser(benches)
-    bench.add_parser(benches)
+    bench_train.add_parser(benches)
     return parser
 
 

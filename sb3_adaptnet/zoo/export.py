@@ -1,4 +1,93 @@
-"""``adaptnet bench train``: samples per second of whole training iterations."""
+"""``adaptnet export``: a run's checkpoint to a weight file with a card."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
+
+from stable_baselines3.common.utils import ConstantSchedule
+
+from adapt_envs import AdaptVectorEnv
+from adapt_envs.motion.library import load_clip
+from sb3_adaptnet.checkpoint import BASE, save_adaptation, save_base
+from sb3_adaptnet.hyperparameters import Experiment, experiment
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.zoo.progress import COLUMNS, read_rows
+from sb3_adaptnet.zoo.run_folder import RunFolder
+from sb3_adaptnet.zoo.training import make_worlds
+
+METRIC_ROWS = 10  # last rollouts that the card's metrics are the means of
+
+
 def add_parser(subparsers: Any) -> None:
-    """Add."""
+    """Add the subcommand ``export``."""
+    parser: argparse.ArgumentParser = subparsers.add_parser(
+        "export", help="write a run's policy as a base or an adaptation (safetensors and a JSON card)"
+    )
+    parser.add_argument("run_dir", metavar="RUN", help="folder of the run")
+    parser.add_argument("-o", "--output", metavar="FILE", required=True, help="where to, as in mine.safetensors")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Export and say where the file is."""
+    print(export(options.run_dir, options.output))
+    return 0
+
+
+def export(run_dir: str | Path, output: str | Path) -> Path:
+    """Write the policy of a run's checkpoint: a base if it was trained whole, else an adaptation.
+
+    Args:
+        run_dir: The run's folder.
+        output: Where to.
+
+    Returns:
+        The file; its card lies beside it.
+
+    Raises:
+        ValueError: If there is no run, no checkpoint, or the output's folder does not exist.
+    """
+    if not Path(output).absolute().parent.is_dir():
+        raise ValueError(f"the folder of {output} does not exist")
+    folder = RunFolder.open(run_dir)
+    state = folder.load()
+    entry = experiment(folder.settings.env_id, folder.settings.base, folder.settings.conf_file)
+    worlds = make_worlds(replace(folder.settings, n_envs=1), entry)
+    policy: Any = entry.policy(
+        worlds.observation_space, worlds.action_space, ConstantSchedule(0.0), **entry.ppo["policy_kwargs"]
+    )
+    policy.load_state_dict(state["policy"])
+    card = card_of(folder, entry, int(state["samples"])) | clip_of(worlds)
+    worlds.close()
+    save = save_base if policy.export()[0] == BASE else save_adaptation
+    return save(policy, output, **card)
+
+
+def clip_of(worlds: AdaptVecEnv) -> dict[str, Any]:
+    """Name and hash of the reference clip, where the worlds are this project's."""
+    vector = worlds.worlds.unwrapped
+    if not isinstance(vector, AdaptVectorEnv):
+        return {}
+    motion = vector.worlds.spec.motion
+    return {"motion": str(motion), "clip_hash": load_clip(motion).digest}
+
+
+def card_of(folder: RunFolder, entry: Experiment, samples: int) -> dict[str, Any]:
+    """Entries of the card: where the weights come from and how well they did while training."""
+    settings = folder.settings
+    rows = read_rows(folder, samples)[-METRIC_ROWS:]
+    metrics = {
+        name: round(sum(row[name] for row in rows) / len(rows), 4)
+        for name in COLUMNS[3:7]
+        if rows and all(name in row for row in rows)
+    }
+    training = {
+        "samples": samples,
+        "seed": settings.seed,
+        "worlds": settings.n_envs or entry.n_envs,
+        "policy": f"{entry.policy.__module__}.{entry.policy.__qualname__}",
+        "ppo": entry.ppo,
+        "callbacks": [{cls.__name__: kwargs} for cls, kwargs in entry.callbacks],
+    }
+    return {"environment": settings.env_id, "training": training, "metrics": metrics}

@@ -142,18 +142,20 @@ class CurveDrawer(BaseCallback):
 @contextmanager
 def stopping(saver: RunSaver) -> Iterator[None]:
     """The first Ctrl-C or SIGTERM asks the run to save and leave; the second ends it as usual."""
-    signals = (signal.SIGINT, signal.SIGTERM)
-    before = {number: signal.getsignal(number) for number in signals}
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def leave_to_default() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
     def ask(number: int, frame: Any) -> None:
-        del frame
-        signal.signal(number, before[number])
+        del number, frame
+        leave_to_default()
         saver.ask_to_stop()
 
-    for number in signals:
+    for number in before:
         signal.signal(number, ask)
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        leave_to_default()

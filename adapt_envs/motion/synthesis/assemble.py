@@ -53,7 +53,21 @@ def body_motion(gait: Gait, steps: Steps, course: Course, t: Array) -> Array:
         target = plan + correction
         wanted = np.column_stack([centre_of_mass(target, height + above, DT), height + above])
         root = root + 1.15 * (wanted - com)
-    return poses(gait, course, root)
+    return within_limits(model, poses(gait, course, root))
+
+
+def within_limits(model: mujoco.MjModel, qpos: Array, margin: float = 0.09) -> Array:
+    """Configurations whose joints bend smoothly to their limits over the last `margin` [rad] instead of passing them."""
+    low, high = model.jnt_range[1:, 0], model.jnt_range[1:, 1] - 1e-3
+    joints, edge = qpos[:, 7:], margin * (np.ptp(model.jnt_range[1:], axis=1) < 2.0)
+    joints = np.where(joints > high - edge, high - edge + _saturate(joints - high + edge, edge), joints)
+    low = low + 1e-3
+    joints = np.where(joints < low + edge, low + edge - _saturate(low + edge - joints, edge), joints)
+    return np.concatenate([qpos[:, :7], joints], axis=1)
+
+
+def _saturate(excess: Array, edge: Array) -> Array:
+    return edge * np.tanh(excess / np.maximum(edge, 1e-9))
 
 
 def _padded(values: Array) -> Array:
@@ -76,7 +90,7 @@ def _out_of_reach(course: Course, pelvis: Array, root: Array) -> Array:
         highest = ankle[:, 2] + np.sqrt(np.maximum((REACH - 0.003) ** 2 - level, 0.25))
         near = ankle[:, 2] < 0.17
         excess = np.maximum(excess, np.where(near, hip[:, 2] - highest, 0))
-    window = int(0.16 / DT)
+    window = int(0.2 / DT)
     return gaussian_filter1d(maximum_filter1d(excess, window), window / 3, mode="nearest")
 
 

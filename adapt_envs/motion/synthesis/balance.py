@@ -63,7 +63,9 @@ def height_plan(gait: Gait, steps: Steps, t: Array) -> Array:
             heights.append(_STANDING - gait.crouch)
         if k + 1 < len(steps.on) and end > begin:
             following = low[min(k, len(low) - 1)]
-            rise = gait.bob * min(1.0, np.mean([lengths[k - 1], lengths[min(k, len(low) - 1)]]) / 0.62)
+            lasts = (steps.on[k + 1] - steps.on[k - 1]) / 2
+            possible = 2 * gait.surge * GRAVITY * (lasts / (2 * np.pi)) ** 2
+            rise = min(gait.bob, possible)
             times.append((begin + end) / 2)
             heights.append(min((low[k - 1] + following) / 2 + rise, _STANDING - gait.crouch))
     spline = CubicSpline(np.array(times) + gait.bob_shift * np.median(np.diff(steps.on)), heights)
@@ -76,7 +78,11 @@ _STANDING = 0.874
 
 def strike_height(length: Array) -> Array:
     """Height of the pelvis (n,) [m] at which a leg reaches a heel strike half a step length ahead, knee at 10 degrees."""
-    return np.minimum(SOLE + 0.01 + np.sqrt((0.9955 * REACH) ** 2 - (0.5 * length) ** 2), _STANDING)
+    return np.minimum(SOLE + 0.01 + np.sqrt((0.9985 * REACH) ** 2 - (0.5 * length + _LEAD) ** 2), _STANDING)
+
+
+_LEAD = 0.042
+"""By how much the foot strikes farther ahead of the hip than half a step [m]: it does so before mid-step."""
 
 
 def _ballistic(gait: Gait, steps: Steps, t: Array) -> Array:

@@ -8,8 +8,10 @@ from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, both_feet, bo
 from adapt_envs.motion.synthesis.body import Course
 from adapt_envs.motion.synthesis.footsteps import path_steps
 from adapt_envs.motion.synthesis.gait import Gait
-from adapt_envs.motion.synthesis.path import Command, Path, follow
+from adapt_envs.motion.synthesis.path import Command, Path, follow, running_commands, walking_commands
 
+WALK_SECONDS, RUN_SECONDS = 336.0, 285.0
+"""Durations of the bases [s]; the paper's are 334.07 and 282.87 (Table 1)."""
 _MARGIN = 1.5
 """Seconds cut off at either end, where the balance is not settled."""
 
@@ -43,8 +45,15 @@ def _course(gait: Gait, path: Path, t: np.ndarray, feet: tuple, phase: np.ndarra
     ahead = np.column_stack([np.cos(heading), np.sin(heading)])
     forward = (path.acc[:n] * ahead).sum(axis=1) / 9.81
     left = (path.acc[:n, 1] * ahead[:, 0] - path.acc[:n, 0] * ahead[:, 1]) / 9.81
-    lean = np.column_stack([-0.6 * np.arctan(left), 0.35 * np.arctan(forward)])
+    lean = np.column_stack([-0.75 * np.arctan(left), 0.35 * np.arctan(forward)])
     speed = path.speed[:n]
     scale = 1.27 * speed / (speed + 0.35) if walking else 0.55 + 0.45 * speed / 2.5
     smooth = [gaussian_filter1d(x, 0.1 / DT, axis=0, mode="nearest") for x in (look, scale, lean)]
     return Course(heading, smooth[0], phase, smooth[1], smooth[2], feet)
+
+
+def base_clip(gait: Gait) -> MotionClip:
+    """The base motion of a row without a period: walking or running along its own random path."""
+    if gait.kind == "run":
+        return along_path(gait, running_commands(RUN_SECONDS + 6, seed=11), RUN_SECONDS, seed=12, sideways=4.0)
+    return along_path(gait, walking_commands(WALK_SECONDS + 6, seed=3), WALK_SECONDS, seed=5, sideways=2.4)

@@ -51,7 +51,7 @@ def pelvis_frame(gait: Gait, course: Course) -> Array:
     """Orientation of the pelvis (T, 3, 3)."""
     phase, scale = course.phase, course.scale
     yaw = course.heading + gait.pelvis_yaw(phase, scale)
-    roll = gait.pelvis_list(phase, scale) + 0.3 * course.lean[:, 0]
+    roll = gait.pelvis_list(phase, scale) + course.lean[:, 0]
     return rot_z(yaw) @ rot_y(gait.pelvis_tilt(phase, scale) + 0.3 * course.lean[:, 1]) @ rot_x(roll)
 
 

@@ -77,6 +77,10 @@ _PUSH_RATE = 1.9
 """Slope of the heel's rise at toe-off, over its mean."""
 
 
+_BRAKING = 24.0
+"""Deceleration of the foot [m/s^2] as it lands after a long swing: it arrives late and brisk, not early and slow."""
+
+
 def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> tuple[Array, Array, Array]:
     """Where the ankle of one side is: position (T, 3) [m], yaw and pitch (toe down) (T,) [rad] at times t (T,)."""
     pos, yaw, pitch = np.zeros((len(t), 3)), np.zeros(len(t)), np.zeros(len(t))
@@ -121,13 +125,18 @@ def _swing(gait: Gait, steps: Steps, k: int, following: int, rise: float, t: Arr
     start = np.stack([steps.pos[k] + ahead * direction, speed * span * direction, acc * span**2 * direction])
     back, _ = _pivot(np.array([-strike]), np.array([-HEEL]))
     landing = steps.pos[following] + back * np.array([np.cos(steps.yaw[following]), np.sin(steps.yaw[following])])
-    xy = hermite(u, start, np.stack([landing, np.zeros(2), np.zeros(2)]))
+    braking = -_BRAKING * span**2 * np.tanh(np.linalg.norm(landing - steps.pos[k])) * _unit(landing - steps.pos[k])
+    xy = hermite(u, start, np.stack([landing, np.zeros(2), braking]))
     turn = hermite(u, np.array([steps.yaw[k], 0, 0]), np.array([steps.yaw[following], 0, 0]))
     outward = np.column_stack([np.sin(turn), -np.cos(turn)]) * (1 - 2 * side)
     xy += gait.outward * bump(u)[:, None] * outward
     pitch, xy, lift = _detours(gait.kick[side], u, pitch, xy, turn)
     height = gait.clearance * bump(u, 0.5, 2.5) + lift + _lowest(pitch, 0.02 * bump(u))
     return np.column_stack([xy, height]), turn, pitch
+
+
+def _unit(vector: Array) -> Array:
+    return vector / max(float(np.linalg.norm(vector)), 1e-9)
 
 
 def _detours(kicks: tuple[Kick, ...], u: Array, pitch: Array, xy: Array, yaw: Array) -> tuple[Array, Array, Array]:

@@ -9,7 +9,7 @@ from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.path import Path
 
 Array = NDArray[np.float64]
-_CENTRE = 0.05
+_CENTRE = 0.06
 """Middle of the foot's rollover ahead of the ankle [m]."""
 _STILL = 0.16
 """Below this speed the character stands [m/s]."""
@@ -70,7 +70,7 @@ def _within_step(before: Array, pos: Array, yaw: float, sign: float, walking: bo
     ahead = np.array([np.cos(yaw), np.sin(yaw)])
     left = np.array([-ahead[1], ahead[0]])
     step = pos - before
-    longest, narrow = (0.84, 0.095) if walking else (1.5, 0.02)
+    longest, narrow = (0.8, 0.105) if walking else (1.5, 0.02)
     far = np.clip(step @ ahead, -0.25, longest)
     wide = np.clip(step @ left * sign, narrow, 0.36)
     return before + far * ahead + wide * sign * left
@@ -95,14 +95,14 @@ def _timing(gait: Gait, path: Path, rng: np.random.Generator, walking: bool) -> 
             still = False
         time += lasts
         on.append(time)
-        lift.append(time - lasts * (1 - np.clip(0.33 - 0.09 * speed, 0.17, 0.3)))
+        lift.append(time - lasts * (1 - np.clip(0.30 - 0.085 * speed, 0.16, 0.27)))
     return np.array(on), np.array(lift)
 
 
 def _walk_step(speed: float, turning: float) -> float:
-    """Step time [s] by the walk ratio (0.006 m per step/min for legs of 0.88 m), brisker in turns."""
-    plain = float(np.clip(0.6 / np.sqrt(max(speed, 0.1)), 0.45, 0.74))
-    return plain + turning * (min(plain, 0.46) - plain)
+    """Step time [s] by the walk ratio (0.005 m per step/min for legs of 0.88 m), brisker in turns."""
+    plain = float(np.clip(0.55 / np.sqrt(max(speed, 0.1)), 0.43, 0.72))
+    return plain + turning * (min(plain, 0.45) - plain)
 
 
 def _run_step(speed: float) -> float:

@@ -84,7 +84,8 @@ class Gait:
         roll: where the zero-moment point enters and leaves the foot, ahead of the ankle [m].
         inset: how far inside of the ankle it runs [m].
         crouch: pelvis lowered by this [m] below the height that keeps the legs nearly straight.
-        bob: vertical travel of the centre of mass [m]; `bob_shift` moves it later, as a fraction of the step.
+        bob: largest vertical travel of the centre of mass [m] (less if its force would pass `surge`); `bob_shift` moves it later, as a fraction of the step.
+        surge: largest swing of the vertical force that the bob makes, over the weight.
         pelvis_yaw, pelvis_list, pelvis_tilt: pelvis relative to the heading: right side forward, left side up, forward.
         torso_yaw, torso_roll, torso_pitch: trunk relative to the heading: left, right side down, forward.
         head_yaw, head_roll, head_pitch: head relative to the heading.
@@ -103,17 +104,18 @@ class Gait:
     double: float = 0.22
     toe_out: float = 6.0
     strike: Pair = (20.0, 20.0)
-    push: Pair = (60.0, 60.0)
+    push: Pair = (52.0, 52.0)
     rise: float = 0.55
     clearance: float = 0.025
     outward: float = 0.015
     kick: tuple[tuple[Kick, ...], tuple[Kick, ...]] = ((), ())
-    roll: Pair = (-0.01, 0.115)
+    roll: Pair = (0.0, 0.12)
     inset: float = 0.008
     crouch: float = 0.0
-    bob: float = 0.034
+    bob: float = 0.045
+    surge: float = 0.205
     bob_shift: float = 0.0
-    pelvis_yaw: Wave = Wave(0, 5, 10)
+    pelvis_yaw: Wave = Wave(0, 6.5, 10)
     pelvis_list: Wave = Wave(0, -3.5, 75)
     pelvis_tilt: Wave = Wave(3, 0, 0, 1, 0)
     torso_yaw: Wave = Wave(0, -5, 10)

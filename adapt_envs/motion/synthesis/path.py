@@ -102,7 +102,7 @@ def _angle(rng: np.random.Generator, low: float, high: float) -> float:
 def _goals(rng: np.random.Generator) -> list[Command]:
     """A new heading, uniform in all directions, and a new speed every 2.5-4 s: what the goal task asks for."""
     return [
-        Command(rng.uniform(2.5, 4.0), rng.uniform(0.95, 1.5), _angle(rng, 5, 180), np.radians(rng.uniform(95, 150)))
+        Command(rng.uniform(2.5, 4.0), rng.uniform(0.95, 1.5), _angle(rng, 5, 180), np.radians(rng.uniform(105, 160)))
         for _ in range(2)
     ]
 
@@ -128,3 +128,33 @@ def _slow(rng: np.random.Generator) -> list[Command]:
 
 def _straight(rng: np.random.Generator) -> list[Command]:
     return [Command(rng.uniform(2.0, 3.0), rng.uniform(1.2, 1.6), _angle(rng, 0, 20)), Command(2.5, rng.uniform(1.0, 1.6))]
+
+
+def running_commands(seconds: float, seed: int) -> list[Command]:
+    """Everything a runner does: new goals in any direction every 2-3 s, arcs, straights, 1 to 3.5 m/s."""
+    rng = np.random.default_rng(seed)
+    commands = [Command(2.0, 2.0)]
+    chapters = (_run_goals, _run_goals, _run_arcs, _run_goals, _run_straight)
+    while sum(c.seconds for c in commands) < seconds:
+        for chapter in chapters:
+            commands += chapter(rng)
+    return commands
+
+
+def _run_goals(rng: np.random.Generator) -> list[Command]:
+    return [
+        Command(rng.uniform(2.0, 3.2), rng.uniform(1.0, 3.1), _angle(rng, 5, 180), np.radians(rng.uniform(100, 170)))
+        for _ in range(3)
+    ]
+
+
+def _run_arcs(rng: np.random.Generator) -> list[Command]:
+    commands = []
+    for _ in range(2):
+        seconds, rate = rng.uniform(2.0, 4.0), rng.uniform(15, 60)
+        commands.append(Command(seconds, rng.uniform(1.3, 3.0), _angle(rng, 1, 1) * rate * seconds, np.radians(rate)))
+    return commands
+
+
+def _run_straight(rng: np.random.Generator) -> list[Command]:
+    return [Command(rng.uniform(2.0, 3.0), rng.uniform(2.5, 3.5), _angle(rng, 0, 15)), Command(2.0, rng.uniform(1, 2))]

@@ -1,0 +1,153 @@
+"""`adaptnet motions`: list, check, render and import reference motions."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TypeVar
+
+from tqdm import tqdm
+
+from adapt_envs.motion.clip import FPS, MotionClip, MotionError
+from adapt_envs.motion.importing import SUFFIXES, import_motion
+from adapt_envs.motion.library import CLIPS, load_clip
+from adapt_envs.motion.quality import BARS, Quality, check
+from adapt_envs.motion.sheet import video_frames, write_sheet, write_video
+from adapt_envs.motion.synthesis.styles import GAITS
+
+VIDEO_SUFFIXES = (".mp4", ".gif")
+_DEFAULT_KIND = "quiet"
+_COLUMNS = (
+    ("slip median", "slip_median_cm_s"), ("slip p90", "slip_p90_cm_s"), ("sinks cm", "penetration_cm"),
+    ("limits deg", "limit_violation_deg"), ("zmp inside", "zmp_in_support"), ("force min", "force_min"),
+    ("force max", "force_max"), ("flight err", "flight_g_error"),
+)  # fmt: skip
+_Item = TypeVar("_Item")
+
+
+def add_parser(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the subcommand `motions` with its own subcommands."""
+    parser = subparsers.add_parser("motions", help="list, check, render and import reference motions")
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    actions.add_parser("list", help="list the motions that ship").set_defaults(run=run_list)
+    _add_check(actions)
+    _add_render(actions)
+    _add_import(actions)
+
+
+def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = actions.add_parser("check", help="measure sliding, sinking, limits, balance and forces")
+    parser.add_argument("motions", nargs="*", metavar="NAME|FILE", help="motions to measure; default: all that ship")
+    parser.add_argument("--json", action="store_true", help="print a JSON list of objects")
+    kinds = ", ".join(BARS)
+    parser.add_argument("--kind", choices=BARS, metavar="KIND",
+                        help=f"whose bars to hold the motions to ({kinds}); default: the shipped motion's own, else quiet")  # fmt: skip
+    parser.set_defaults(run=run_check)
+
+
+def _add_render(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = actions.add_parser("render", help="draw a contact sheet (.png) or a video (.mp4, .gif)")
+    parser.add_argument("motion", metavar="NAME|FILE", help="a motion that ships, a clip (.npz), or a file to import")
+    parser.add_argument("-o", "--output", required=True, type=Path, help="picture or video to write")
+    parser.set_defaults(run=run_render)
+
+
+def _add_import(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = actions.add_parser("import", help="fit a BVH file or a JSON file of the paper's authors to the character")
+    parser.add_argument("file", type=Path, metavar="FILE", help="a .bvh or .json file")
+    parser.add_argument("-o", "--output", required=True, type=Path, help="clip to write (.npz)")
+    parser.add_argument("--map", type=Path, metavar="MAP.YML", help="which joint is which, for an unknown skeleton")
+    parser.add_argument("--style", action="store_true", help="cut out and close one gait cycle that repeats")
+    parser.set_defaults(run=run_import)
+
+
+def run_list(options: argparse.Namespace) -> int:
+    """Print name, length, speed and kind of every shipped motion."""
+    del options
+    print(f"{'name':<14}{'seconds':>9}{'m/s':>7}  kind")
+    for name in CLIPS:
+        clip = load_clip(name)
+        print(f"{name:<14}{_duration(clip):9.2f}{clip.mean_speed:7.2f}  {'cycle' if clip.cyclic else 'clip'}, {kind_of(clip)}")
+    return 0
+
+
+def run_check(options: argparse.Namespace) -> int:
+    """Measure motions; 1 if one of them misses the bars of its kind."""
+    clips = [_opened(name) for name in options.motions or CLIPS]
+    results = [check(clip, options.kind or kind_of(clip)) for clip in _bar(clips, "measuring")]
+    if options.json:
+        print(json.dumps([result.as_dict() for result in results], indent=2, allow_nan=False))
+    else:
+        _print_table(results)
+    return 0 if all(result.ok for result in results) else 1
+
+
+def run_render(options: argparse.Namespace) -> int:
+    """Draw a motion."""
+    output: Path = options.output
+    suffix = output.suffix.lower()
+    if suffix != ".png" and suffix not in VIDEO_SUFFIXES:
+        raise MotionError(f"{output}: cannot draw a {suffix or '(no extension)'} file; possible are .png, .mp4, .gif")
+    _check_folder(output)
+    clip = _opened(options.motion)
+    if suffix == ".png":
+        write_sheet(clip, output)
+    else:
+        write_video(clip, output, _bar(video_frames(clip), "drawing"))
+    print(f"wrote {output}")
+    return 0
+
+
+def run_import(options: argparse.Namespace) -> int:
+    """Fit a motion file to the character and write the clip; nothing is written unless all went well."""
+    output: Path = options.output
+    if output.suffix.lower() != ".npz":
+        raise MotionError(f"{output}: a clip's extension is .npz, not {output.suffix or '(none)'}")
+    _check_folder(output)
+    clip = import_motion(options.file, options.map, options.style, lambda frames: _bar(frames, "fitting"))
+    clip.save(output)
+    measured = check(clip, kind_of(clip))
+    kind = "cycle" if clip.cyclic else "clip"
+    print(f"wrote {output}: {kind} of {_duration(clip):.2f} s, {clip.mean_speed:.2f} m/s, {clip.origin}")
+    sliding = "none" if measured.slip_median_cm_s is None else f"{measured.slip_median_cm_s:.1f} cm/s"
+    print(f"sliding (median) {sliding}, sinks {measured.penetration_cm:.1f} cm, past limits {measured.limit_violation_deg:.1f} deg")
+    return 0
+
+
+def kind_of(clip: MotionClip) -> str:
+    """The kind whose quality bars hold for a clip: the table's for a motion that ships, else `quiet`."""
+    gait = GAITS.get(clip.name.lower())
+    return gait.kind if gait else _DEFAULT_KIND
+
+
+def _opened(name_or_file: str) -> MotionClip:
+    """A shipped motion, a clip file, or a motion file imported on the fly."""
+    if Path(name_or_file).suffix.lower() in SUFFIXES:
+        return import_motion(name_or_file, progress=lambda frames: _bar(frames, "fitting"))
+    return load_clip(name_or_file)
+
+
+def _check_folder(output: Path) -> None:
+    if output.is_dir():
+        raise MotionError(f"{output}: is a folder")
+    if not output.parent.is_dir():
+        raise MotionError(f"{output}: the folder {output.parent} does not exist")
+
+
+def _duration(clip: MotionClip) -> float:
+    return clip.period / FPS
+
+
+def _bar(items: Iterable[_Item], title: str) -> Iterable[_Item]:
+    """A progress bar on the terminal, for work of more than a second."""
+    return tqdm(items, desc=title, delay=1.0, leave=False, disable=not sys.stderr.isatty())
+
+
+def _print_table(results: list[Quality]) -> None:
+    print(f"{'name':<16}{'seconds':>9}" + "".join(f"{title:>12}" for title, _ in _COLUMNS) + "  verdict")
+    for result in results:
+        values = result.as_dict()
+        cells = ("-" if values[key] is None else f"{values[key]:.2f}" for _, key in _COLUMNS)
+        row = "".join(f"{cell:>12}" for cell in cells)
+        print(f"{result.name[:15]:<16}{result.seconds:9.2f}{row}  {'ok' if result.ok else 'MISSES'}")

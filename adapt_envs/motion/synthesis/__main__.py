@@ -1,0 +1,21 @@
+"""Make the shipped motions anew: `python -m adapt_envs.motion.synthesis [NAME...]`, all of them without a name."""
+
+import argparse
+
+from adapt_envs.motion.synthesis import GAITS, synthesize
+from adapt_envs.resources import asset_path
+
+
+def main() -> None:
+    """Write the clips into the folder of motions."""
+    parser = argparse.ArgumentParser(description="Synthesise the motions that ship.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(GAITS)}; all by default")
+    folder = asset_path("motions")
+    for name in parser.parse_args().names or GAITS:
+        clip = synthesize(name)
+        clip.save(folder / f"{name.lower()}.npz")
+        print(f"{clip.name}: {clip.seconds:.2f} s, {clip.mean_speed:.2f} m/s -> {folder / name.lower()}.npz")
+
+
+if __name__ == "__main__":
+    main()
