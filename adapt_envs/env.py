@@ -6,16 +6,17 @@ import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs.observation import Observations, rows_of
 from adapt_envs.rendering import SceneRenderer, Window
 from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
 from adapt_envs.tasks.termination import DIVERGED, ENDS, RUNNING, TIME
-from adapt_envs.vector_env import RENDER_FPS, apply_options, check_render_mode, spaces_of
+from adapt_envs.vector_env import RENDER_FPS, apply_options, check_render_mode, set_push_scale, spaces_of
 from adapt_envs.worlds import Worlds
 
 _ALL = np.zeros(1, np.int64)
 
 
-class AdaptEnv(gym.Env[NDArray[np.float32], NDArray[np.float32]]):
+class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
     """A physically simulated humanoid that walks or runs to targets in the manner of a reference motion.
 
     ## Description
@@ -94,28 +95,37 @@ class AdaptEnv(gym.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Observations, dict[str, Any]]:
         """Start anew from a state of the motion; see Gymnasium's `Env.reset` and the class's notes on `options`."""
         super().reset(seed=seed)
         self.worlds.rng = self.np_random
-        observation = self.worlds.reset(_ALL, apply_options(self.worlds, _ALL, options))[0]
+        observations = self.worlds.reset(_ALL, apply_options(self.worlds, _ALL, options))
         self._show()
-        return observation, {}
+        return rows_of(observations, 0), {}
 
-    def step(self, action: NDArray[np.float32]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.float32]) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
         """Advance by 1/30 s; see Gymnasium's `Env.step`."""
         observations, rewards, codes = self.worlds.step(np.asarray(action)[None], self._max_steps)
         code = int(codes[0])
         self.diverged_worlds += code == DIVERGED
         info = {"end": ENDS[code], "diverged_worlds": self.diverged_worlds} if code != RUNNING else {}
         self._show()
-        return observations[0], float(rewards[0]), code not in (RUNNING, TIME), code == TIME, info
+        return rows_of(observations, 0), float(rewards[0]), code not in (RUNNING, TIME), code == TIME, info
 
     @property
     def _max_steps(self) -> int | None:
         # `gym.make(..., max_episode_steps=n)` changes the spec; 0 or less disables the limit there.
         limit = EPISODE_STEPS if self.spec is None else self.spec.max_episode_steps
         return limit if limit is None or limit > 0 else None
+
+    @property
+    def push_scale(self) -> float:
+        """Factor on the force of pushes, 1 unless set."""
+        return 1.0 if self.worlds.pushes is None else self.worlds.pushes.scale
+
+    @push_scale.setter
+    def push_scale(self, scale: float) -> None:
+        set_push_scale(self.worlds, scale)
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:
@@ -134,13 +144,13 @@ class AdaptEnv(gym.Env[NDArray[np.float32], NDArray[np.float32]]):
         """A picture (480, 640, 3) in mode "rgb_array"; None in mode "human", which shows every step by itself."""
         if self.render_mode != "rgb_array":
             return None
-        self._renderer = self._renderer or SceneRenderer(self.worlds.model)
-        return self._renderer.picture(self.worlds)
+        self._renderer = self._renderer or SceneRenderer(self.worlds)
+        return self._renderer.picture()
 
     def _show(self) -> None:
         if self.render_mode == "human":
-            self._window = self._window or Window(self.worlds.model)
-            self._window.show(self.worlds)
+            self._window = self._window or Window(self.worlds)
+            self._window.show()
 
     def close(self) -> None:
         """Free window and renderer."""

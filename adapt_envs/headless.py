@@ -1,12 +1,17 @@
-"""How MuJoCo reaches OpenGL on a machine without a display; imported before `mujoco`, which decides once, at import."""
+"""How MuJoCo reaches OpenGL on a machine without a display.
+
+MuJoCo decides once, when it is imported. Where that happened before this module was, its choice is mended.
+"""
 
 import ctypes.util
+import importlib
 import os
 import sys
 
 GL_VARIABLE = "MUJOCO_GL"
 """Environment variable that names MuJoCo's way to OpenGL: egl, osmesa or glfw."""
 _BACKENDS = (("egl", "EGL"), ("osmesa", "OSMesa"))
+_MUJOCO_DECIDES = "mujoco.rendering.classic.gl_context"
 
 
 def backend(environment: dict[str, str] | None = None, platform: str = sys.platform) -> str | None:
@@ -23,6 +28,15 @@ def backend(environment: dict[str, str] | None = None, platform: str = sys.platf
     return next((name for name, library in _BACKENDS if ctypes.util.find_library(library)), None)
 
 
-_chosen = backend()
-if _chosen is not None:
-    os.environ[GL_VARIABLE] = _chosen
+def choose() -> None:
+    """Set MUJOCO_GL where nothing else says how to draw, and tell a MuJoCo that is imported already."""
+    chosen = backend()
+    if chosen is None:
+        return
+    os.environ[GL_VARIABLE] = chosen
+    decided = sys.modules.get(_MUJOCO_DECIDES)
+    if decided is not None:
+        decided.GLContext = importlib.import_module(f"mujoco.{chosen}").GLContext  # type: ignore[attr-defined]
+
+
+choose()

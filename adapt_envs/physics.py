@@ -11,8 +11,8 @@ from adapt_envs.model.humanoid import PHYSICS_STEPS
 
 _STAGE = int(mujoco.mjtStage.mjSTAGE_VEL)
 _DIVERGED = [
-    int(warning)
-    for warning in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+    int(getattr(mujoco.mjtWarning, f"mjWARN_BAD{quantity}"))
+    for quantity in ("QPOS", "QVEL", "QACC")
 ]
 
 
@@ -94,8 +94,11 @@ class PhysicsBatch:
         """Set the force (N, 3) [N] in the world frame that acts on the torso's centre of mass until set anew."""
         self._batch.bind("xfrc_applied")[:, self._torso, :3] = force
 
-    def mujoco_data(self, world: int, data: mujoco.MjData) -> mujoco.MjData:
-        """Copy one world's state into `data` and compute what rendering needs; return it."""
+    def mujoco_data(self, world: int, data: mujoco.MjData, model: mujoco.MjModel | None = None) -> mujoco.MjData:
+        """Copy one world's state into `data` and compute what rendering needs; return it.
+
+        `model` is what `data` belongs to, if not the worlds' own: one of the same character on a piece of the ground.
+        """
         self._batch.get_data(world, data)
-        mujoco.mj_forward(self.model, data)
+        mujoco.mj_forward(self.model if model is None else model, data)
         return data

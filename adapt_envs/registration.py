@@ -2,7 +2,7 @@
 
 import gymnasium as gym
 
-from adapt_envs.suite import EPISODE_STEPS, SUITE
+from adapt_envs.suite import EPISODE_STEPS, SUITE, TaskSpec
 from adapt_envs.vector_env import AdaptVectorEnv
 
 
@@ -15,13 +15,40 @@ def register_suite() -> None:
     """Register every row of `SUITE` that is not registered yet."""
     for name in SUITE:
         if env_id(name) not in gym.registry:
-            gym.register(
-                env_id(name),
-                entry_point="adapt_envs.env:AdaptEnv",
-                vector_entry_point="adapt_envs.vector_env:AdaptVectorEnv",
-                max_episode_steps=EPISODE_STEPS,
-                kwargs={"task": name},
-            )
+            _register(name, name)
+
+
+def register(spec: TaskSpec, name: str) -> str:
+    """Add an environment of one's own to the table and to Gymnasium's registry.
+
+    Args:
+        spec: its row.
+        name: its name: letters and digits, not taken by another row.
+
+    Returns:
+        Its Gymnasium id, `AdaptNet/Humanoid-NAME-v0`.
+
+    Raises:
+        ValueError: if the name is taken or unusable.
+    """
+    if not (name.isascii() and name.isalnum()):
+        raise ValueError(f"{name!r} cannot be an environment's name, expected ASCII letters and digits")
+    if name in SUITE and SUITE[name] != spec:
+        raise ValueError(f"an environment is named {name!r} already; the names are {', '.join(SUITE)}")
+    SUITE[name] = spec
+    # The row itself travels in Gymnasium's record: a process that never saw this call can make the environment.
+    _register(name, spec)
+    return env_id(name)
+
+
+def _register(name: str, task: str | TaskSpec) -> None:
+    gym.register(
+        env_id(name),
+        entry_point="adapt_envs.env:AdaptEnv",
+        vector_entry_point="adapt_envs.vector_env:AdaptVectorEnv",
+        max_episode_steps=EPISODE_STEPS,
+        kwargs={"task": task},
+    )
 
 
 def make_vector(environment: str, num_envs: int, **kwargs: object) -> AdaptVectorEnv:
@@ -32,5 +59,6 @@ def make_vector(environment: str, num_envs: int, **kwargs: object) -> AdaptVecto
     """
     env = gym.make_vec(environment, num_envs=num_envs, vectorization_mode="vector_entry_point", **kwargs)
     if not isinstance(env, AdaptVectorEnv):
-        raise ValueError(f"{environment!r} is not of this suite; its ids are {', '.join(env_id(name) for name in SUITE)}")
+        ids = ", ".join(env_id(name) for name in SUITE)
+        raise ValueError(f"{environment!r} is not of this suite; its ids are {ids}")
     return env

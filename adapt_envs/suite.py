@@ -2,8 +2,13 @@
 
 from dataclasses import dataclass, fields, replace
 
+from adapt_envs.model.morphology import Morphology
+from adapt_envs.model.obstacles import ObstacleField
+from adapt_envs.model.terrain import Terrain
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import STYLES
+from adapt_envs.tables import entry
+from adapt_envs.tasks.push import PushSchedule
 
 WALK_SPEEDS, RUN_SPEEDS = (1.0, 1.5), (1.0, 3.0)
 """Ranges of the preferred speed [m/s]; paper, app. A."""
@@ -11,6 +16,8 @@ WALK_TIMER, RUN_TIMER = (3.0, 5.0), (2.0, 3.0)
 """Ranges of the time until a new target is drawn [s]; paper, app. A."""
 EPISODE_STEPS = 300
 """Control steps until the time limit: 10 s."""
+ICE_WALK, ICE_RUN = 0.15, 0.35
+"""Sliding friction of ice; paper, sec. 8.3."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +31,13 @@ class TaskSpec:
         speed_range: preferred speeds [m/s]; None for the paper's, or the clip's speed +-20 % where that lies outside.
         timer_range: seconds until a new target is drawn.
         friction: sliding friction of the ground.
+        morphology: body shape, or its name in `MORPHOLOGIES`; None for the plain character's.
+        locked: joints that are removed, such as `("right_knee",)`; see `locks.joints_named`.
+        terrain: function that draws the ground's heights, or its name in `TERRAINS`; None for flat ground.
+        terrain_seed: seed of terrain and obstacles; `reset(seed=...)` draws spawns and goals only.
+        obstacles: how blocks are laid out, or the layout's name in `OBSTACLES`; None for free ground.
+        heightmap: whether the observation holds a heightmap of the ground around the character.
+        push: when and how hard the character is pushed; None for never.
     """
 
     motion: str
@@ -32,6 +46,13 @@ class TaskSpec:
     speed_range: tuple[float, float] | None = None
     timer_range: tuple[float, float] = WALK_TIMER
     friction: float = 1.0
+    morphology: str | Morphology | None = None
+    locked: tuple[str, ...] = ()
+    terrain: str | Terrain | None = None
+    terrain_seed: int = 0
+    obstacles: str | ObstacleField | None = None
+    heightmap: bool = False
+    push: PushSchedule | None = None
 
 
 _STYLE_WORDS = {
@@ -49,15 +70,61 @@ _STYLE_WORDS = {
     "Joyful": "strut walking rhythmically",
 }
 
+_WALK = TaskSpec("walk", speed_range=WALK_SPEEDS)
+_RUN = TaskSpec("run", base="run", speed_range=RUN_SPEEDS, timer_range=RUN_TIMER)
+
+_SHAPES = {
+    "LongBody": ("long_body", "an abdomen half as long again"),
+    "BigBody": ("big_body", "a torso 1.5 times as large and 3.4 times as heavy"),
+    "LongUpperArms": ("long_upper_arms", "upper arms 25 % longer"),
+    "LongLowerArms": ("long_lower_arms", "lower arms 25 % longer"),
+    "AsymmetricUpperArms": ("asymmetric_upper_arms", "the right upper arm 25 % longer, the left one 25 % shorter"),
+    "LongThighs": ("long_thighs", "thighs half as long again"),
+    "LongShins": ("long_shins", "shins half as long again, as on stilts"),
+    "SuperLongLegs": ("super_long_legs", "thighs and shins half as long again: over 2 m tall"),
+}
+_LOCKS = {
+    "LockedAbdomen": (("abdomen",), "a stiff abdomen"),
+    "LockedElbows": (("elbow",), "stiff elbows"),
+    "LockedAnkles": (("ankle",), "stiff ankles"),
+    "LockedRightKnee": (("right_knee",), "a stiff right knee"),
+}
+_TERRAIN = {
+    "TerrainHills": ("hills", "smooth hills"),
+    "TerrainRocky": ("rocky", "rocky ground with steps"),
+    "TerrainRugged": ("rugged", "rugged slopes"),
+}
+
+
+def _bodies() -> dict[str, TaskSpec]:
+    """Every body shape and every lock, running and walking."""
+    rows = {name: ({"morphology": shape}, words) for name, (shape, words) in _SHAPES.items()}
+    rows |= {name: ({"locked": joints}, words) for name, (joints, words) in _LOCKS.items()}  # type: ignore[dict-item]
+    return {
+        name + suffix: replace(plain, summary=f"{verb} with {words}.", **change)  # type: ignore[arg-type]
+        for suffix, verb, plain in (("", "Run", _RUN), ("Walk", "Walk", _WALK))
+        for name, (change, words) in rows.items()
+    }
+
+
 SUITE: dict[str, TaskSpec] = {
-    "Walk": TaskSpec("walk", summary="Walk to targets; what the base `walk` is trained on.", speed_range=WALK_SPEEDS),
-    "Run": TaskSpec(
-        "run", base="run", summary="Run to targets; what the base `run` is trained on.",
-        speed_range=RUN_SPEEDS, timer_range=RUN_TIMER,
-    ),
+    "Walk": replace(_WALK, summary="Walk to targets; what the base `walk` is trained on."),
+    "Run": replace(_RUN, summary="Run to targets; what the base `run` is trained on."),
     "Style": TaskSpec("Stoop", summary="Walk to targets in the style of `motion=`, a clip's name or file."),
     **{name: TaskSpec(name, summary=f"{_STYLE_WORDS[name].capitalize()}, steered to targets.") for name in STYLES},
-}  # fmt: skip
+    **_bodies(),
+    "IceWalk": replace(_WALK, friction=ICE_WALK, summary="Walk on ice of friction 0.15."),
+    "IceRun": replace(_RUN, friction=ICE_RUN, summary="Run on ice of friction 0.35."),
+    **{
+        name: replace(_WALK, terrain=kind, heightmap=True, summary=f"Walk on {words}, seen through a heightmap.")
+        for name, (kind, words) in _TERRAIN.items()
+    },
+    "Obstacles": replace(
+        _WALK, obstacles="blocks", heightmap=True, summary="Walk between blocks, seen through a heightmap."
+    ),
+    "PushWalk": replace(_WALK, push=PushSchedule(), summary="Walk while being pushed, 1000 N for 0.2 s."),
+    "PushRun": replace(_RUN, push=PushSchedule(), summary="Run while being pushed, 1000 N for 0.2 s."),
+}
 """Environments by name; the Gymnasium id is `AdaptNet/Humanoid-NAME-v0`."""
 
 
@@ -67,9 +134,7 @@ def find(name: str) -> TaskSpec:
     Raises:
         ValueError: if there is none, listing the names.
     """
-    if name not in SUITE:
-        raise ValueError(f"no environment is named {name!r}; the names are {', '.join(SUITE)}")
-    return SUITE[name]
+    return entry("environment", SUITE, name)
 
 
 def preferred_speeds(spec: TaskSpec, clip: MotionClip) -> tuple[float, float]:
@@ -96,6 +161,9 @@ def configured(task: str | TaskSpec, overrides: dict[str, object]) -> TaskSpec:
     for key in ("speed_range", "timer_range"):
         if overrides.get(key) is not None:
             overrides[key] = _checked_range(key, overrides[key])
+    friction = overrides.get("friction", spec.friction)
+    if not isinstance(friction, (int, float)) or not friction > 0:
+        raise ValueError(f"friction is {friction!r}, expected a positive number")
     return replace(spec, **overrides)  # type: ignore[arg-type]
 
 

@@ -9,6 +9,8 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from adapt_envs.features import OBSERVATION_SIZE
+from adapt_envs.heightmap import SIZE
+from adapt_envs.observation import Observations, put_rows, rows_of
 from adapt_envs.rendering import SceneRenderer
 from adapt_envs.spaces import JointSpace
 from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
@@ -20,9 +22,12 @@ RESET_OPTIONS = ("goal_heading", "goal_speed", "start")
 RENDER_FPS = 30
 
 
-def spaces_of(worlds: Worlds) -> tuple[gym.spaces.Box, JointSpace]:
+def spaces_of(worlds: Worlds) -> tuple[gym.Space[Any], JointSpace]:
     """Observation and action space of one world."""
-    observation = gym.spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
+    observation: gym.Space[Any] = gym.spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
+    if worlds.spec.heightmap:
+        heightmap = gym.spaces.Box(-np.inf, np.inf, (1, SIZE, SIZE), np.float32)
+        observation = gym.spaces.Dict({"observation": observation, "heightmap": heightmap})
     reference = worlds.reference
     return observation, JointSpace(reference.joint_names, worlds.spec.base, reference.mean_pose)
 
@@ -45,7 +50,20 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
     return start
 
 
-class AdaptVectorEnv(gym.vector.VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+def set_push_scale(worlds: Worlds, scale: float) -> None:
+    """Set the factor on the worlds' pushes.
+
+    Raises:
+        ValueError: if the task has none, or for a negative or non-finite factor.
+    """
+    if worlds.pushes is None:
+        raise ValueError("this environment has no pushes to scale; give it `push=PushSchedule(...)`")
+    if not 0 <= scale < np.inf:
+        raise ValueError(f"push_scale is {scale!r}, expected a factor of at least 0")
+    worlds.pushes.scale = float(scale)
+
+
+class AdaptVectorEnv(gym.vector.VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]):
     """N worlds of one task, stepped together; ended worlds restart in the same step.
 
     The arrays that `reset` and `step` return are fresh at every call. `infos["final_obs"]` and `infos["final_info"]`
@@ -86,7 +104,7 @@ class AdaptVectorEnv(gym.vector.VectorEnv[NDArray[np.float32], NDArray[np.float3
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Observations, dict[str, Any]]:
         """Restart all worlds; `options` are `RESET_OPTIONS`. One seed serves all worlds."""
         seed = seed[0] if isinstance(seed, list) else seed
         if seed is not None:
@@ -101,7 +119,7 @@ class AdaptVectorEnv(gym.vector.VectorEnv[NDArray[np.float32], NDArray[np.float3
 
     def step(
         self, actions: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    ) -> tuple[Observations, NDArray[Any], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Advance all worlds by 1/30 s; see Gymnasium's `VectorEnv.step`."""
         observations, rewards, code = self.worlds.step(actions, self._max_steps)
         ended = np.flatnonzero(code != RUNNING)
@@ -109,16 +127,25 @@ class AdaptVectorEnv(gym.vector.VectorEnv[NDArray[np.float32], NDArray[np.float3
         return observations, rewards, (code != RUNNING) & (code != TIME), code == TIME, infos
 
     def _restart(
-        self, observations: NDArray[np.float32], code: NDArray[np.int8], ended: NDArray[np.integer]
+        self, observations: Observations, code: NDArray[np.int8], ended: NDArray[np.integer]
     ) -> dict[str, Any]:
         mask = code != RUNNING
         final_obs, end = (np.full(self.num_envs, None, dtype=object) for _ in range(2))
         for world in ended:
-            final_obs[world], end[world] = observations[world].copy(), ENDS[code[world]]
+            final_obs[world], end[world] = rows_of(observations, world), ENDS[code[world]]
         self.diverged_worlds += int((code == DIVERGED).sum())
-        observations[ended] = self.worlds.reset(ended)
+        put_rows(observations, ended, self.worlds.reset(ended))
         final_info = {"end": end, "_end": mask, "diverged_worlds": self.diverged_worlds}
         return {"final_obs": final_obs, "_final_obs": mask, "final_info": final_info, "_final_info": mask}
+
+    @property
+    def push_scale(self) -> float:
+        """Factor on the force of pushes, 1 unless set: let it grow in training."""
+        return 1.0 if self.worlds.pushes is None else self.worlds.pushes.scale
+
+    @push_scale.setter
+    def push_scale(self, scale: float) -> None:
+        set_push_scale(self.worlds, scale)
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:
@@ -139,8 +166,8 @@ class AdaptVectorEnv(gym.vector.VectorEnv[NDArray[np.float32], NDArray[np.float3
         """A picture (480, 640, 3) of each world, or None without a render mode."""
         if self.render_mode is None:
             return None
-        self._renderer = self._renderer or SceneRenderer(self.worlds.model)
-        return tuple(self._renderer.picture(self.worlds, world) for world in range(self.num_envs))
+        self._renderer = self._renderer or SceneRenderer(self.worlds)
+        return tuple(self._renderer.picture(world) for world in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Free the renderer."""

@@ -9,6 +9,7 @@ from gymnasium import spaces
 from stable_baselines3.common.type_aliases import Schedule
 from torch import nn
 
+from sb3_adaptnet.adapting import AdaptingPolicy
 from sb3_adaptnet.checkpoint import ADAPTATION, BASE, check_base, load_checked, read_adaptation
 from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.anchored import AnchoredActor
@@ -16,7 +17,7 @@ from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.injector import PRIOR_SAMPLES
 from sb3_adaptnet.modules.progressive import ProgressiveActor
-from sb3_adaptnet.policy import AdaptingPolicy, PretrainPolicy
+from sb3_adaptnet.pretraining import PretrainPolicy
 
 ScratchPolicy = PretrainPolicy
 

@@ -1,6 +1,6 @@
 """Rollout buffer of several objectives: K rewards, K values, one advantage (the paper's eq. 9)."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -10,6 +10,7 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.type_aliases import TensorDict
 
 BOX = "observation"  # key under which a Box observation is kept
+BASE_CODE = "base_code"  # key under which a policy takes back what its frozen base made of the observations
 
 
 class ValueNorm(Protocol):
@@ -97,9 +98,24 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
 
     observations: dict[str, np.ndarray]  # type: ignore[assignment]  # (T, N, ...) per key
 
-    def __init__(self, *args: Any, num_objectives: int = 1, **kwargs: Any) -> None:
-        """Build the buffer; arguments are ``RolloutBuffer``'s, ``num_objectives`` is K."""
+    def __init__(
+        self,
+        *args: Any,
+        num_objectives: int = 1,
+        base_code: Callable[[], torch.Tensor | None] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Build the buffer.
+
+        Args:
+            *args: ``RolloutBuffer``'s, as are ``kwargs``.
+            num_objectives: K.
+            base_code: What gives the frozen base's code (N, H) of the step being added, or None if there is no frozen
+                base. It is kept with the observations, so that an update's epochs need not encode them again.
+            **kwargs: See ``args``.
+        """
         self.num_objectives = num_objectives
+        self._base_code = base_code
         super().__init__(*args, **kwargs)
 
     def reset(self) -> None:
@@ -133,8 +149,9 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
     ) -> None:
         """Keep one step of all N worlds; ``value`` is (N, K)."""
         observations = obs if isinstance(obs, dict) else {BOX: obs}
-        for key, array in self.observations.items():
-            array[self.pos] = observations[key]
+        for key, values in observations.items():
+            self.observations[key][self.pos] = values
+        self._keep_base_code()
         self.actions[self.pos] = action.reshape(self.n_envs, self.action_dim)
         self.rewards[self.pos] = reward
         self.episode_starts[self.pos] = episode_start
@@ -142,6 +159,14 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         self.log_probs[self.pos] = log_prob.reshape(self.n_envs).cpu().numpy()
         self.pos += 1
         self.full = self.pos == self.buffer_size
+
+    def _keep_base_code(self) -> None:
+        code = self._base_code() if self._base_code is not None else None
+        if code is None:
+            return
+        if BASE_CODE not in self.observations:
+            self.observations[BASE_CODE] = np.zeros((self.buffer_size, *code.shape), np.float32)
+        self.observations[BASE_CODE][self.pos] = code.cpu().numpy()
 
     def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: np.ndarray) -> None:
         """Note which worlds ended with the last step; the returns wait for ``finish``."""
@@ -205,7 +230,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
             for k, v in self.observations.items()
         }
         return ObjectiveSamples(
-            observations=observations if isinstance(self.observation_space, spaces.Dict) else observations[BOX],
+            observations=observations[BOX] if observations.keys() == {BOX} else observations,
             actions=flat["actions"],
             old_values=flat["old_values"].flatten(),
             old_log_prob=flat["old_log_prob"],

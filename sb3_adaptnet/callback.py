@@ -101,6 +101,7 @@ class DiscriminatorRewardCallback(BaseCallback):
             gae_lambda=model.gae_lambda,
             n_envs=model.n_envs,
             num_objectives=len(self.objectives),
+            base_code=lambda: model.policy.base_code,
         )
 
     def _build_discriminators(self) -> None:

@@ -9,7 +9,8 @@ from gymnasium import spaces
 from sb3_adaptnet.baselines import ProgressivePolicy
 from sb3_adaptnet.checkpoint import BASE, AdaptationFile, read_adaptation, read_base, read_kind, resolve
 from sb3_adaptnet.objective_policy import ObjectivePolicy
-from sb3_adaptnet.policy import AdaptNetPolicy, PretrainPolicy
+from sb3_adaptnet.policy import AdaptNetPolicy
+from sb3_adaptnet.pretraining import PretrainPolicy
 from sb3_adaptnet.resources import WEIGHT_SUFFIX, pretrained_names
 from sb3_adaptnet.weight_file import CheckpointError
 
@@ -56,7 +57,8 @@ def _spaces(env: Any) -> tuple[spaces.Space, spaces.Space]:
 
 def _base_policy(file: Path, observations: spaces.Space, actions: spaces.Space) -> PretrainPolicy:
     read = read_base(file)
-    policy = PretrainPolicy(observations, actions, _no_learning, gru_size=1, hidden_sizes=(1,))
+    sizes = read.backbone.architecture
+    policy = PretrainPolicy(observations, actions, _no_learning, sizes.gru_size, sizes.hidden_sizes)
     policy.assemble(read.backbone.with_joints(policy.joints))
     return policy
 

@@ -1,6 +1,7 @@
 """What every policy of this package shares: K values, precision, normalisers, a state dict that describes itself."""
 
 import json
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -20,6 +21,7 @@ from sb3_adaptnet.optim import SteeredAdam
 from sb3_adaptnet.precision import PRECISIONS, autocast, use_precision
 from sb3_adaptnet.spaces import action_joints, has_heightmap
 
+LONGEST_ROLLOUT = 65_536  # samples; beyond this an update is rare and its buffer takes gigabytes
 _EXTRA = "_extra_state"  # torch's key for what get_extra_state returns
 _ADAM = {"eps": 1e-5, "fused": True}  # eps as in SB3's own policies; one kernel for all parameters
 
@@ -38,6 +40,8 @@ class ObjectivePolicy(ActorCriticPolicy):
         actor: observation -> (mean, log_std).
         critic: observation -> normalised values (B, K).
         objective_weights: weight of each objective in `predict_values`.
+        base_code: (B, gru_size) what a frozen base made of the last `forward`, or None. A buffer may hand
+            it back, as "base_code" beside "observation", to `evaluate_actions`, which then need not encode again.
         precision: the precision in use: "fp32", "medium" or "bf16".
     """
 
@@ -92,6 +96,8 @@ class ObjectivePolicy(ActorCriticPolicy):
         self._rates = {"actor": actor_lr, "critic": critic_lr}
         self._learning_rate = float(lr_schedule(1))
         self.objective_weights: tuple[float, ...] = (1.0,)
+        self.base_code: torch.Tensor | None = None
+        self._collected = 0  # samples since the last update
 
     def _build(self, lr_schedule: Schedule) -> None:
         """Nothing: SB3 would build its own networks here, before this class knows its arguments."""
@@ -175,8 +181,14 @@ class ObjectivePolicy(ActorCriticPolicy):
 
     def _split(self, obs: PyTorchObs) -> Observation:
         if isinstance(obs, dict):
-            return split_observation(obs["observation"].float(), self.architecture, obs["heightmap"].float())
+            heightmap = obs["heightmap"].float() if "heightmap" in obs else None
+            parts = split_observation(obs["observation"].float(), self.architecture, heightmap)
+            return parts._replace(base_code=obs.get("base_code"))
         return split_observation(obs.float(), self.architecture)
+
+    def _with_base_code(self, observation: Observation) -> Observation:
+        """For policies around a frozen base: encode once what the whole update needs."""
+        return observation
 
     def _gaussian(self, observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
         with autocast(self.device, self.precision):
@@ -193,6 +205,16 @@ class ObjectivePolicy(ActorCriticPolicy):
         for normalizer in (*self.actor.normalizers(), self.critic.normalizer):
             normalizer.observe(moments)
 
+    def _count(self, samples: int) -> None:
+        """Warn once per rollout that it is long; a policy cannot see PPO's n_steps before."""
+        before, self._collected = self._collected, self._collected + samples
+        if before <= LONGEST_ROLLOUT < self._collected:
+            warnings.warn(
+                f"more than {LONGEST_ROLLOUT:,} samples without an update: PPO's n_steps x number of environments is "
+                f"large; hyperparameters(id) has values that suit many environments, such as n_steps=16 for 512",
+                stacklevel=3,
+            )
+
     def forward(  # type: ignore[override]
         self, obs: PyTorchObs, deterministic: bool = False
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
@@ -205,7 +227,9 @@ class ObjectivePolicy(ActorCriticPolicy):
         Returns:
             Actions (B, n), values (B, K) in real units, log-probabilities (B,).
         """
-        observation = self._split(obs)
+        observation = self._with_base_code(self._split(obs))
+        self.base_code = observation.base_code
+        self._count(len(observation.goal))
         self._observe(observation)
         distribution = self._distribution(observation)
         actions = distribution.get_actions(deterministic=deterministic)
@@ -244,6 +268,8 @@ class ObjectivePolicy(ActorCriticPolicy):
         if self.training and not mode:
             for normalizer in (*self.actor.normalizers(), self.critic.normalizer):
                 normalizer.apply_statistics()
+        if mode:
+            self._collected = 0
         super().set_training_mode(mode)
 
     # -- saving and loading ------------------------------------------------------------------------------------------

@@ -1,161 +1,24 @@
-"""The policies that train a base, and that adapt one."""
+"""AdaptNet as a Stable-Baselines3 policy."""
 
 import math
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from gymnasium import spaces
-from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
+from stable_baselines3.common.type_aliases import Schedule
 from torch import nn
 
-from sb3_adaptnet.checkpoint import (
-    ADAPTATION,
-    BASE,
-    Base,
-    build_checked,
-    check_base,
-    load_checked,
-    read_adaptation,
-    read_base,
-    resolve,
-)
-from sb3_adaptnet.modules.actor import Actor
+from sb3_adaptnet.adapting import AdaptingPolicy
+from sb3_adaptnet.checkpoint import ADAPTATION, build_checked, check_base, load_checked, read_adaptation
 from sb3_adaptnet.modules.adapted import Adaptation, AdaptedActor, Penalties
 from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
 from sb3_adaptnet.modules.backbone import Backbone
-from sb3_adaptnet.modules.injector import PRIOR_SAMPLES
 from sb3_adaptnet.modules.merge import merge
 from sb3_adaptnet.modules.observation import Observation
-from sb3_adaptnet.objective_policy import ObjectivePolicy
-from sb3_adaptnet.spaces import default_base, mean_pose
-from sb3_adaptnet.weight_file import CheckpointError
+from sb3_adaptnet.precision import autocast
 
 TRAINED = "main"  # name of the adaptation that a policy trains
-
-
-class PretrainPolicy(ObjectivePolicy):
-    """Trains a base from nothing; also the paper's baseline "Scratch" (sec. 8.1).
-
-    Attributes:
-        actor: the network, which `save_base` exports.
-    """
-
-    actor: Backbone
-
-    def __init__(
-        self,
-        observation_space: spaces.Space,
-        action_space: spaces.Space,
-        lr_schedule: Schedule,
-        use_sde: bool = False,
-        gru_size: int = 256,
-        hidden_sizes: tuple[int, ...] = (1024, 512),
-        **settings: Any,
-    ) -> None:
-        """Build a fresh network, whose first actions are the clips' mean pose.
-
-        Args:
-            observation_space: see `ObjectivePolicy`, as the next two.
-            action_space: carries `joint_names` and `mean_pose`.
-            lr_schedule: PPO's learning rate.
-            use_sde: not supported.
-            gru_size: width of the state encoder (the paper's: 256).
-            hidden_sizes: widths of the fully connected layers (the paper's: 1024, 512).
-            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
-        """
-        super().__init__(observation_space, action_space, lr_schedule, use_sde, **settings)
-        architecture = Architecture(
-            self.joints, gru_size=gru_size, hidden_sizes=tuple(hidden_sizes), heightmap=self.reads_heightmap
-        )
-        actor = Backbone(architecture)
-        actor.start_at_pose(mean_pose(action_space).tolist())
-        self.assemble(actor)
-
-    def describe_actor(self) -> dict[str, Any]:
-        """The sizes."""
-        return {"architecture": self.architecture.to_dict()}
-
-    def actor_from(self, description: Mapping[str, Any]) -> Actor:
-        """A network of the described sizes."""
-        return Backbone(Architecture.from_dict(description["architecture"]))
-
-    def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
-        """The whole network, as a base."""
-        return BASE, self.actor, {"architecture": self.architecture.to_dict(), "method": "pretrain"}
-
-
-class AdaptingPolicy(ObjectivePolicy):
-    """A policy that starts from a base: reads it, drops the outputs of joints that the character lacks.
-
-    Attributes:
-        base_name: name of the base.
-        base_hash: hash of its weights, all joints included.
-    """
-
-    def __init__(
-        self,
-        observation_space: spaces.Space,
-        action_space: spaces.Space,
-        lr_schedule: Schedule,
-        use_sde: bool = False,
-        base: str | Path | None = None,
-        **settings: Any,
-    ) -> None:
-        """Read the base and build the networks around it.
-
-        Args:
-            observation_space: see `ObjectivePolicy`, as the next two.
-            action_space: carries `joint_names`, and `default_base` if no base is given.
-            lr_schedule: PPO's learning rate.
-            use_sde: not supported.
-            base: name of a shipped base, or a file; None takes the environment's default.
-            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
-
-        Raises:
-            CheckpointError: if the base's name is unknown or its file is damaged or foreign. A file that is missing
-                only fails when the policy first acts, because `PPO.load` builds the policy before it restores it.
-        """
-        super().__init__(observation_space, action_space, lr_schedule, use_sde, **settings)
-        self.base_argument = default_base(action_space) if base is None else base
-        self._missing: CheckpointError | None = None
-        found = self._read_base()
-        self.base_name, self.base_hash = found.name, found.hash
-        self.assemble(self.adapt(found.backbone.with_joints(self.joints)))
-        self.critic.normalizer.start_at(found.backbone.normalizer, PRIOR_SAMPLES)
-
-    def _read_base(self) -> Base:
-        file = resolve(self.base_argument)
-        if file.is_file():
-            return read_base(file)
-        self._missing = CheckpointError(f"there is no base file {str(file)!r}")
-        warnings.warn(f"{self._missing}; the policy cannot act unless a saved state is loaded into it", stacklevel=4)
-        return Base(Backbone(Architecture(self.joints)), file.stem, "", {})
-
-    def adapt(self, base: Backbone) -> Actor:
-        """The actor at the start of training, made from a base for this character's joints."""
-        raise NotImplementedError
-
-    def _split(self, obs: PyTorchObs) -> Observation:
-        if self._missing is not None:
-            raise self._missing
-        return super()._split(obs)
-
-    def describe_actor(self) -> dict[str, Any]:
-        """Sizes and identity of the base."""
-        return {
-            "architecture": self.architecture.to_dict(),
-            "base": {"name": self.base_name, "hash": self.base_hash},
-        }
-
-    def _become(self, description: Mapping[str, Any]) -> None:
-        base = description["actor"]["base"]
-        super()._become(description)
-        self.base_name, self.base_hash, self._missing = base["name"], base["hash"], None
-
-    def _get_constructor_parameters(self) -> dict[str, Any]:
-        return super()._get_constructor_parameters() | {"base": str(self.base_argument)}
 
 
 class AdaptNetPolicy(AdaptingPolicy):
@@ -226,6 +89,10 @@ class AdaptNetPolicy(AdaptingPolicy):
         adaptation = Adaptation(base.architecture, shape)
         adaptation.start_from(base)
         return AdaptedActor(base, {TRAINED: adaptation}, self._penalties)
+
+    def _with_base_code(self, observation: Observation) -> Observation:
+        with autocast(self.device, self.precision):
+            return observation._replace(base_code=self.actor.base.code(observation.frames))
 
     # -- run time (paper, sec. 8.1) ----------------------------------------------------------------------------------
 

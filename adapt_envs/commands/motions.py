@@ -41,8 +41,8 @@ def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser.add_argument("motions", nargs="*", metavar="NAME|FILE", help="motions to measure; default: all that ship")
     parser.add_argument("--json", action="store_true", help="print a JSON list of objects")
     kinds = ", ".join(BARS)
-    parser.add_argument("--kind", choices=BARS, metavar="KIND",
-                        help=f"whose bars to hold the motions to ({kinds}); default: the shipped motion's own, else quiet")  # fmt: skip
+    words = f"bars to hold the motions to: {kinds}; default: the shipped motion's own, else {_DEFAULT_KIND}"
+    parser.add_argument("--kind", choices=BARS, metavar="KIND", help=words)
     parser.set_defaults(run=run_check)
 
 
@@ -68,7 +68,8 @@ def run_list(options: argparse.Namespace) -> int:
     print(f"{'name':<14}{'seconds':>9}{'m/s':>7}  kind")
     for name in CLIPS:
         clip = load_clip(name)
-        print(f"{name:<14}{_duration(clip):9.2f}{clip.mean_speed:7.2f}  {'cycle' if clip.cyclic else 'clip'}, {kind_of(clip)}")
+        form = "cycle" if clip.cyclic else "clip"
+        print(f"{name:<14}{_duration(clip):9.2f}{clip.mean_speed:7.2f}  {form}, {kind_of(clip)}")
     return 0
 
 
@@ -111,7 +112,8 @@ def run_import(options: argparse.Namespace) -> int:
     kind = "cycle" if clip.cyclic else "clip"
     print(f"wrote {output}: {kind} of {_duration(clip):.2f} s, {clip.mean_speed:.2f} m/s, {clip.origin}")
     sliding = "none" if measured.slip_median_cm_s is None else f"{measured.slip_median_cm_s:.1f} cm/s"
-    print(f"sliding (median) {sliding}, sinks {measured.penetration_cm:.1f} cm, past limits {measured.limit_violation_deg:.1f} deg")
+    sinking, excess = measured.penetration_cm, measured.limit_violation_deg
+    print(f"sliding (median) {sliding}, sinking {sinking:.1f} cm, past joint limits {excess:.1f} deg")
     return 0
 
 

@@ -1,8 +1,13 @@
 """The only place that compiles a model: character, ground and contact sensors put together."""
 
+from collections.abc import Sequence
+
 import mujoco
 
+from adapt_envs.model.ground import Ground
 from adapt_envs.model.humanoid import add_servos, load_spec
+from adapt_envs.model.locks import lock
+from adapt_envs.model.morphology import Morphology, reshape
 
 FALL_SENSOR = "fall"
 """Prefix of the contact sensors that report links other than feet touching anything static."""
@@ -10,14 +15,6 @@ _FALL_PARTS = (
     ("subtree", "torso"), ("body", "pelvis"),
     ("body", "right_thigh"), ("body", "right_shin"), ("body", "left_thigh"), ("body", "left_shin"),
 )  # fmt: skip
-
-
-def add_ground(spec: mujoco.MjSpec, friction: float = 1.0) -> None:
-    """Add the flat ground; its priority makes its friction the contact's (else the larger of two geoms' counts)."""
-    spec.worldbody.add_geom(
-        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 0.25), material="ground", priority=1,
-        friction=(friction, 0.005, 0.0001), condim=3,
-    )  # fmt: skip
 
 
 def add_fall_sensors(spec: mujoco.MjSpec) -> None:
@@ -34,18 +31,30 @@ def add_fall_sensors(spec: mujoco.MjSpec) -> None:
         sensor.intprm[2] = 1
 
 
-def compile_model(spec: mujoco.MjSpec | None = None, friction: float = 1.0) -> mujoco.MjModel:
+def build_character(morphology: Morphology | None = None, locked: Sequence[str] = ()) -> mujoco.MjSpec:
+    """The character with another body shape and without some joints (see `morphology` and `locks`)."""
+    spec = load_spec()
+    if morphology is not None:
+        reshape(spec, morphology)
+    lock(spec, locked)
+    return spec
+
+
+def compile_model(
+    spec: mujoco.MjSpec | None = None, friction: float = 1.0, ground: Ground | None = None
+) -> mujoco.MjModel:
     """Compile a character (the plain humanoid if None) with servos, ground and fall sensors.
 
     Args:
-        spec: a character from `humanoid.load_spec`, possibly edited; it is used up.
+        spec: a character from `build_character` or `humanoid.load_spec`; it is used up.
         friction: sliding friction between ground and feet.
+        ground: what it stands on; the flat, endless ground if None.
 
     Returns:
         The model: 120 Hz, `nu` servos whose controls are actions in [-1, 1].
     """
     spec = load_spec() if spec is None else spec
     add_servos(spec)
-    add_ground(spec, friction)
+    (Ground() if ground is None else ground).add_to(spec, friction)
     add_fall_sensors(spec)
     return spec.compile()

@@ -1,7 +1,7 @@
 """BVH files: any hierarchy, channel order and number of channels; every complaint names file and line.
 
-The reader is the project's own because files in the wild have joints with six channels, with one, or several per line of
-text, which the libraries at hand refuse, and because a complaint about a number must name its line.
+The reader is the project's own because files in the wild have joints with six channels or with one, which the libraries
+at hand refuse, and because a complaint about a number must name its line.
 """
 
 from collections.abc import Iterator

@@ -15,7 +15,7 @@ from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import FEET, LINKS
 from adapt_envs.motion.clip import FPS
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 _PI = np.pi
 
 
@@ -53,8 +53,8 @@ class Draft:
         qpos = self.qpos.copy()
         qpos[:, :3] = rotations.rotate(turn, qpos[:, :3])
         qpos[:, 3:7] = rotations.multiply(turn, qpos[:, 3:7])
-        feet = rotations.rotate(turn[:, None], self.foot_pos), rotations.multiply(turn[:, None], self.foot_quat)
-        return Draft(qpos, *feet)
+        turn = turn[:, None]
+        return Draft(qpos, rotations.rotate(turn, self.foot_pos), rotations.multiply(turn, self.foot_quat))
 
 
 @cache
@@ -119,7 +119,8 @@ def _smoothed(values: Array, half_width: int) -> Array:
     kernel = np.bartlett(2 * half_width + 3)[1:-1]
     padded = np.concatenate([np.repeat(values[:1], half_width, 0), values, np.repeat(values[-1:], half_width, 0)])
     kernel = kernel / kernel.sum()
-    return sum(weight * padded[i : i + len(values)] for i, weight in enumerate(kernel))
+    shifted = np.stack([padded[i : i + len(values)] for i in range(len(kernel))])
+    return np.tensordot(kernel, shifted, axes=1)
 
 
 def angles_within(quats: Array, joint: str) -> Array:

@@ -28,7 +28,8 @@ def read_text(path: Path, suffixes: tuple[str, ...], max_bytes: int = MAX_BYTES)
     try:
         size = path.stat().st_size
         if size > max_bytes:
-            raise MotionError(f"{path}: {size / 2**20:.0f} MiB is too large, at most {max_bytes / 2**20:.0f} MiB are read")
+            mib, most = size / 2**20, max_bytes / 2**20
+            raise MotionError(f"{path}: the file is too large, {mib:.0f} MiB; at most {most:.0f} MiB are read")
         content = path.read_bytes()
     except OSError as error:
         raise MotionError(f"{path}: cannot be read ({error.strerror})") from None
@@ -39,7 +40,8 @@ def _decoded(path: Path, content: bytes) -> str:
     if not content.strip():
         raise MotionError(f"{path}: the file is empty")
     if b"\0" in content:
-        raise MotionError(f"{path}: line {content[: content.index(0)].count(10) + 1}: a zero byte; this is a binary file, not text")
+        line = content[: content.index(0)].count(b"\n") + 1
+        raise MotionError(f"{path}: line {line}: a zero byte; this is a binary file, not text")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -17,7 +17,7 @@ _SHORTEST, _LONGEST_GAP = 3, 2
 """Frames: shorter stances are dropped, shorter gaps between two are closed."""
 _RAMP = 4
 """Frames over which a stance's correction of height fades in and out."""
-_CLEARANCE, _CLEAR_FRAMES = 0.018, 2
+_CLEARANCE, _CLEAR_FRAMES = 0.018, 1
 """Height [m] of a swinging foot's lowest corner at least, from this many frames away from its stances."""
 _MOST_DRIFT = 0.35
 """A stance that slides farther [m] is meant to slide."""

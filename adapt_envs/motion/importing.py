@@ -41,18 +41,20 @@ def import_motion(
     draft, frame_time = _read(path, None if joint_map is None else Path(joint_map))
     draft = resampled(draft, frame_time)
     if len(draft) < _MIN_FRAMES:
-        raise MotionError(f"{path}: {len(draft)} frames at 30 Hz are too few for a motion, at least {_MIN_FRAMES} are needed")
+        raise MotionError(f"{path}: {len(draft)} frames at 30 Hz are too few, at least {_MIN_FRAMES} are needed")
     draft = grounded(draft)
     origin = f"imported from {path.name}"
     if not style:
         draft = draft.moved(-draft.qpos[0, :3] * (1, 1, 0))
-        return MotionClip(path.stem, settled(planted(draft), progress), joint_names(), origin=origin)
+        qpos = settled(planted(draft), progress).astype(np.float64)
+        return MotionClip(path.stem, qpos, joint_names(), origin=origin)
     try:
         cycle = find_cycle(draft)
     except MotionError as error:
         raise MotionError(f"{path}: {error}") from None
     origin += f", frames {cycle.first} to {cycle.first + cycle.period} at 30 Hz"
-    return MotionClip(path.stem, _looped(closed(draft, cycle), progress), joint_names(), cyclic=True, origin=origin)
+    qpos = _looped(closed(draft, cycle), progress).astype(np.float64)
+    return MotionClip(path.stem, qpos, joint_names(), cyclic=True, origin=origin)
 
 
 def _read(path: Path, joint_map: Path | None) -> tuple[Draft, float]:

@@ -49,14 +49,15 @@ def find_cycle(draft: Draft) -> Cycle:
             windows = np.lib.stride_tricks.sliding_window_view(separation, period + 1)
             steps = (windows.max(axis=1) > middle + reach) & (windows.min(axis=1) < middle - reach)
             straight = np.abs(turn[period:] - turn[:-period]) < _MOST_TURN
-            cost = np.where(steps & straight & (cost < _MOST_GAP), cost * (1 + _LENGTH_PENALTY * period / FPS), np.inf)
+            fit = steps & straight & (cost < _MOST_GAP)
+            cost = np.where(fit, cost * (1 + _LENGTH_PENALTY * period / FPS), np.inf)
             first = int(cost.argmin())
             if np.isfinite(cost[first]) and (best is None or cost[first] < best[0]):
                 best = float(cost[first]), Cycle(first, period)
     if best is None:
         raise MotionError(
-            f"no gait cycle of {_SHORTEST / FPS:.1f} to {_LONGEST / FPS:.1f} s, straight and with a step of each foot, was"
-            f" found in {(len(draft) - 1) / FPS:.2f} s of motion"
+            f"no gait cycle of {_SHORTEST / FPS:.1f} to {_LONGEST / FPS:.1f} s, straight and with a step of each foot,"
+            f" was found in {(len(draft) - 1) / FPS:.2f} s of motion"
         )
     return best[1]
 
@@ -64,7 +65,7 @@ def find_cycle(draft: Draft) -> Cycle:
 def closed(draft: Draft, cycle: Cycle) -> Draft:
     """The cycle alone, starting above the origin, its end made equal to its start but for a distance along x.
 
-    What the ends differ by is taken out evenly over the cycle: turning, sideways drift of the pose, height, joint angles.
+    What the ends differ by is taken out evenly over the cycle: turning, tilt, height, joint angles, feet.
     """
     part = draft.rows(slice(cycle.first, cycle.first + cycle.period + 1))
     start = part.qpos[0, :3] * (1, 1, 0)
@@ -95,7 +96,8 @@ def repeated(part: Draft, times: int) -> Draft:
     step = (part.qpos[-1, :3] - part.qpos[0, :3]) * (1, 1, 0)
     body = part.rows(slice(0, -1))
     pieces = [body.moved(step * i) for i in range(times)] + [part.rows(slice(0, 1)).moved(step * times)]
-    return Draft(*(np.concatenate([getattr(piece, name) for piece in pieces]) for name in ("qpos", "foot_pos", "foot_quat")))
+    parts = zip(*((piece.qpos, piece.foot_pos, piece.foot_quat) for piece in pieces), strict=True)
+    return Draft(*(np.concatenate(part) for part in parts))
 
 
 def _turned_into(quats: Array, share: Array) -> Array:
@@ -108,7 +110,8 @@ def _turned_into(quats: Array, share: Array) -> Array:
 def _poses(draft: Draft) -> Array:
     """What must agree between the ends of a cycle (T, D): posture and its speed; neither place nor heading."""
     upright = rotations.multiply(rotations.from_yaw(-rotations.heading(draft.qpos[:, 3:7])), draft.qpos[:, 3:7])
-    posture = np.concatenate([draft.qpos[:, 7:], 2 * rotations.positive(upright)[:, 1:3], 2 * draft.qpos[:, 2:3]], axis=1)
+    tilt = 2 * rotations.positive(upright)[:, 1:3]
+    posture = np.concatenate([draft.qpos[:, 7:], tilt, 2 * draft.qpos[:, 2:3]], axis=1)
     return np.concatenate([posture, _VELOCITY_WEIGHT * np.gradient(posture, axis=0)], axis=1)
 
 

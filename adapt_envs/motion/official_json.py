@@ -46,8 +46,8 @@ class _File:
 def read_official_json(path: Path) -> tuple[Draft, float]:
     """Read a file of the authors' format.
 
-    An object with `fps` and `frames`; a frame has `pelvis` = [position [m], quaternion xyzw] and for every other link its
-    rotation in its parent as a quaternion xyzw. Links that are missing keep their rest pose.
+    An object with `fps` and `frames`; a frame has `pelvis` = [position [m], quaternion xyzw] and for every other link
+    its rotation in its parent as a quaternion xyzw. Links that are missing keep their rest pose.
 
     Returns:
         The draft at the file's rate, and the seconds between its frames.

@@ -43,7 +43,8 @@ def _curves(axes: Axes, clip: MotionClip, stretch: slice) -> None:
     turning = np.convolve(np.degrees(np.gradient(yaw)) * FPS, smooth, mode="same")
     axes.plot(times, speed, color=_LINE, lw=1)
     axes.axvspan(times[stretch][0], times[stretch][-1], color=_MARK, alpha=0.3)
-    axes.set(xlabel="time [s]", ylabel="speed [m/s]", xlim=(0, times[-1]), title="speed and turning (grey); drawn stretch in red")
+    title = "speed (blue) and turning (grey); the stretch drawn above in red"
+    axes.set(xlabel="time [s]", ylabel="speed [m/s]", xlim=(0, times[-1]), title=title)
     other = axes.twinx()
     other.plot(times, turning, color="#9aa3ad", lw=0.8)
     other.set_ylabel("turning [deg/s]")

@@ -106,7 +106,7 @@ def check(clip: MotionClip, kind: str = "walk") -> Quality:
     inner = corners[2:-2]
     slip = slip_speeds(inner if clip.cyclic else corners)
     grounded = (inner[..., 2] < _NEAR_GROUND).any(axis=1)
-    flights = _flight_accelerations(motion.com_acc[:, 2], grounded)
+    flights = motion.com_acc[~grounded, 2]
     inside = support_distance(motion.zmp, inner)[grounded & (motion.force > _UNLOADED)] <= _SUPPORT_MARGIN
     low, high = np.percentile(motion.force, [2, 98])
     values = {
@@ -193,12 +193,3 @@ def _hull_distance(point: Array, hull: Array) -> float:
     edge = end - start
     along = np.clip(-(start * edge).sum(axis=1) / np.maximum((edge**2).sum(axis=1), 1e-12), 0, 1)
     return float(np.linalg.norm(start + along[:, None] * edge, axis=1).min())
-
-
-def _flight_accelerations(acceleration: Array, grounded: Array) -> Array:
-    """Vertical accelerations in frames without contact whose neighbours have none either, so that none leaks in."""
-    air = ~grounded
-    inner = air.copy()
-    inner[1:] &= air[:-1]
-    inner[:-1] &= air[1:]
-    return acceleration[inner]

@@ -15,14 +15,12 @@ from scipy.spatial.transform import Rotation
 from adapt_envs import rotations
 from adapt_envs.motion.bvh import Bvh
 from adapt_envs.motion.clip import MotionError
-from adapt_envs.motion.draft import Draft, angles_within, character, joint_columns, joint_names
+from adapt_envs.motion.draft import Array, Draft, angles_within, character, joint_columns, joint_names
 from adapt_envs.motion.skeletons import SIDES, JointMap
 
-Array = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
 _STRAIGHT = 0.15
 """Sine of the bend below which a limb's own twist outweighs the plane of its bend."""
-_LEG_LENGTHS = ((0.2, 200.0), "units")
 _T_POSE_SECONDS = 2.0
 
 
@@ -64,6 +62,16 @@ def retarget(bvh: Bvh, joints: JointMap, path: Path) -> Draft:
         MotionError: if the skeleton's proportions make no sense.
     """
     body = _body(bvh, joints, path)
+    try:
+        draft, torso = _fitted(body)
+    except ValueError:  # a frame without directions: places that coincide
+        raise MotionError(f"{path}: line 1: joints of the trunk or limbs coincide; is the joint map right?") from None
+    drop = _leading_t_pose(body, torso, bvh.frame_time) if joints.drop is None else joints.drop
+    return draft.rows(slice(drop, None))
+
+
+def _fitted(body: _Body) -> tuple[Draft, Array]:
+    """The draft, and the torso's world orientation (T, 4)."""
     pelvis, torso = _trunk(body)
     quats = {"pelvis": pelvis, "abdomen": _local(pelvis, torso), "neck": _local(torso, _head(body, pelvis))}
     qpos = np.zeros((len(body), 7 + len(joint_names())))
@@ -83,8 +91,8 @@ def retarget(bvh: Bvh, joints: JointMap, path: Path) -> Draft:
     for joint, quat in quats.items():
         if joint != "pelvis":
             qpos[:, joint_columns(joint)] = angles_within(quat, joint)
-    draft = Draft(qpos, np.stack([body.pos[f"{side}_ankle"] for side in SIDES], axis=1), np.stack(feet, axis=1))
-    return draft.rows(slice(_leading_t_pose(body, torso, bvh.frame_time) if joints.drop is None else joints.drop, None))
+    ankles = np.stack([body.pos[f"{side}_ankle"] for side in SIDES], axis=1)
+    return Draft(qpos, ankles, np.stack(feet, axis=1)), torso
 
 
 def _body(bvh: Bvh, joints: JointMap, path: Path) -> _Body:
@@ -97,33 +105,35 @@ def _body(bvh: Bvh, joints: JointMap, path: Path) -> _Body:
             if f"{side}_{role}" not in index and len(children):
                 index[f"{side}_{role}"] = int(children[0])
     chain = _spine(bvh, index)
-    index["top"] = chain[-1]
+    index["top"] = chain[-1] if chain else index["left_shoulder"]
     turn = _upright(pos, index, joints.up)
     scale = _leg_length(pos, index, path)
-    pos, rest = rotations.rotate(turn, pos) * scale, rotations.rotate(turn, rest) * scale
-    middle = (pos[:, index["right_hip"]] + pos[:, index["left_hip"]]) / 2
+    pos = (rotations.rotate(turn, pos) * scale).astype(np.float64)
+    rest = (rotations.rotate(turn, rest) * scale).astype(np.float64)
+    middles = [(pos[:, index[f"right_{role}"]] + pos[:, index[f"left_{role}"]]) / 2 for role in ("hip", "shoulder")]
+    above = [] if "neck" in index or "head" in index else [middles[1]]
     return _Body(
         {role: pos[:, i] for role, i in index.items()},
         {role: rotations.multiply(np.broadcast_to(turn, (len(pos), 4)), quat[:, i]) for role, i in index.items()},
         {role: rest[i] for role, i in index.items()},
         turn,
-        np.concatenate([middle[:, None], pos[:, chain]], axis=1),
+        np.stack([middles[0], *(pos[:, joint] for joint in chain), *above], axis=1),
     )
 
 
 def _spine(bvh: Bvh, index: dict[str, int]) -> list[int]:
-    """Joints from above the hips to the neck, or to where the arms branch off if there is no neck."""
-    above = [index[role] for role in ("neck", "head") if role in index][:1] or [int(bvh.parents[index["left_shoulder"]])]
+    """Joints from above the hips to the neck (or head), or to where the arms branch off if there is neither."""
+    tops = [index[role] for role in ("neck", "head") if role in index]
+    joint = tops[0] if tops else int(bvh.parents[index["left_shoulder"]])
     chain = []
-    joint = above[0]
     while joint >= 0 and joint != index["hips"]:
         chain.append(joint)
         joint = int(bvh.parents[joint])
-    return chain[::-1] or above
+    return chain[::-1]
 
 
 def _upright(pos: Array, index: dict[str, int], up: str | None) -> Array:
-    """Quaternion (4,) that turns the file's world to z up; found from where the head is above the feet, if not given."""
+    """Quaternion (4,) that turns the file's world to z up; if not given, the head is above the feet on average."""
     if up is None:
         rise = (pos[:, index["top"]] - (pos[:, index["right_ankle"]] + pos[:, index["left_ankle"]]) / 2).mean(axis=0)
         axis = int(np.abs(rise).argmax())
@@ -170,7 +180,10 @@ def _along(points: Array, share: float) -> Array:
 
 
 def _head(body: _Body, pelvis: Array) -> Array:
-    """World orientation (T, 4) of the head; how its joint sits in it comes from the rest pose, else it is level on average."""
+    """World orientation (T, 4) of the head.
+
+    How the joint sits in the head comes from the rest pose; if that is no stand, the head is level on average.
+    """
     role = next((name for name in ("head", "neck") if name in body.quat), None)
     if role is None:
         return _facing(pelvis)
@@ -191,18 +204,18 @@ def _facing(quat: Array) -> Array:
 def _limb(body: _Body, side: str, roles: tuple[str, str, str], trunk: Array, sign: float) -> tuple[Array, Array]:
     """World orientation (T, 4) of a thigh or upper arm that hangs along -z, and the bend (T,) >= 0 of its hinge.
 
-    The hinge's axis, +y in the link, is the normal of the plane of the bend (`sign` 1: the lower part goes backward, as at
-    a knee; -1: forward). Where the limb is straight, what the bone remembers of that axis holds.
+    The hinge's axis, +y in the link, is the normal of the plane of the bend (`sign` 1: the lower part goes backward, as
+    at a knee; -1: forward). Where the limb is straight, what the bone remembers of that axis holds.
     """
     top, joint, end = (f"{side}_{role}" for role in roles)
     upper = _unit(body.pos[joint] - body.pos[top])
     lower = _unit(body.pos[end] - body.pos[joint]) if end in body.pos else upper
     normal = sign * np.cross(upper, lower)
     sine = np.linalg.norm(normal, axis=1, keepdims=True)
-    lateral = rotations.rotate(trunk, np.array([[0.0, 1.0, 0.0]]))
+    untwisted = _swung(rotations.rotate(trunk, np.array([[0.0, 1.0, 0.0]])), rotations.rotate(trunk, -_UP[None]), upper)
     bone = body.quat[top]
-    # Mean of the normal in the bone's own frame, weighted by the bend; the trunk's side breaks ties.
-    seen = rotations.rotate(rotations.conjugate(bone), normal * sine + 1e-3 * lateral)
+    # Mean of the normal in the bone's own frame, weighted by the bend; a limb that never bends is not twisted.
+    seen = rotations.rotate(rotations.conjugate(bone), normal * sine + 1e-3 * untwisted)
     remembered = rotations.rotate(bone, np.broadcast_to(_unit(seen.mean(axis=0)), normal.shape))
     axis = normal + _STRAIGHT * remembered
     link = _frame(up=-upper, left=axis, exact="up")
@@ -216,7 +229,7 @@ def _foot(body: _Body, side: str, shin: Array) -> Array:
     ankle, toe = f"{side}_ankle", f"{side}_toe"
     quat = body.quat[ankle]
     if toe in body.pos:
-        forward = body.pos[toe] - body.pos[ankle]
+        forward: Array = body.pos[toe] - body.pos[ankle]
     else:
         forward = rotations.rotate(shin, np.array([[1.0, 0.0, 0.0]]))
     forward = rotations.rotate(rotations.conjugate(quat), forward).mean(axis=0)
@@ -240,12 +253,19 @@ def _leading_t_pose(body: _Body, torso: Array, frame_time: float) -> int:
     """Number of leading frames with both arms straight out to the sides, if they are few and end."""
     posed = np.ones(len(body), bool)
     for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
-        arm = rotations.rotate(rotations.conjugate(torso), _unit(body.pos[f"{side}_elbow"] - body.pos[f"{side}_shoulder"]))
-        end = body.pos.get(f"{side}_wrist", body.pos[f"{side}_elbow"])
-        whole = rotations.rotate(rotations.conjugate(torso), _unit(end - body.pos[f"{side}_shoulder"]))
-        posed &= (sign * arm[:, 1] > 0.85) & (sign * whole[:, 1] > 0.85)
+        for end in (f"{side}_elbow", f"{side}_wrist"):
+            reach = _unit(body.pos.get(end, body.pos[f"{side}_elbow"]) - body.pos[f"{side}_shoulder"])
+            posed &= sign * rotations.rotate(rotations.conjugate(torso), reach)[:, 1] > 0.85
     count = len(body) if posed.all() else int(np.argmin(posed))
     return count if count * frame_time <= _T_POSE_SECONDS and count < len(body) else 0
+
+
+def _swung(vectors: Array, start: Array, end: Array) -> Array:
+    """Vectors (T, 3), turned as the shortest turn takes the unit vectors `start` to `end` (T, 3)."""
+    axis = np.cross(start, end)
+    cosine = np.sum(start * end, axis=1, keepdims=True)
+    first = np.cross(axis, vectors)
+    return vectors + first + np.cross(axis, first) / np.maximum(1 + cosine, 1e-6)
 
 
 def _local(parent: Array, child: Array) -> Array:

@@ -17,8 +17,8 @@ _ROOT_COSTS = ((2.0, 2.0), (20.0, 2.0))
 _POSTURE_COST, _LEG_COST = 0.7, 0.05
 """Weights of metres and radians: feet first, then the root, then the pose; the legs give way.
 
-The root has one pair of weights for each of two passes: in the first the root goes where the legs' reach and limits push
-it; the second holds it to a smoothed version of that, since a root that jerks has impossible forces.
+The root has one pair of weights for each of two passes: in the first the root goes where the legs' reach and limits
+push it; the second holds it to a smoothed version of that, since a root that jerks has impossible forces.
 """
 _ROOT_SMOOTHING = 3.0
 """Standard deviation [frames] of that smoothing."""

@@ -87,7 +87,7 @@ def write_video(clip: MotionClip, path: str | Path, frames: Iterable[Image] | No
     """
     with imageio.get_writer(path, fps=FPS) as writer:
         for picture in video_frames(clip) if frames is None else frames:
-            writer.append_data(picture)
+            writer.append_data(picture)  # type: ignore[attr-defined]
 
 
 def typical_stretch(clip: MotionClip) -> tuple[int, int]:
@@ -140,9 +140,10 @@ def _followed(points: NDArray[np.floating], seconds: float = 0.5) -> NDArray[np.
     kernel = np.hanning(width + 2)[1:-1]
     half = width // 2
     steps = np.diff(points, axis=0)
-    edges = np.concatenate(  # go on straight beyond the ends, so that the camera does not lag there
-        [points[0] + steps[:1] * np.arange(-half, 0)[:, None], points, points[-1] + steps[-1:] * np.arange(1, half + 1)[:, None]]
-    )
+    # The path goes on straight beyond its ends, so that the camera does not lag there.
+    before = points[0] + steps[:1] * np.arange(-half, 0)[:, None]
+    after = points[-1] + steps[-1:] * np.arange(1, half + 1)[:, None]
+    edges = np.concatenate([before, points, after])
     smooth = np.stack([np.convolve(edges[:, i], kernel / kernel.sum(), mode="valid") for i in (0, 1)], axis=1)
     return np.concatenate([smooth, np.full((len(points), 1), _LOOK_HEIGHT)], axis=1)
 

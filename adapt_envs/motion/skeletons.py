@@ -44,21 +44,28 @@ class Family:
 
 
 FAMILIES = (
-    Family("LAFAN1, Mixamo, MotionBuilder", ("right", "left"), ("hips",), ("neck",), ("head",), ("{}upleg",), ("{}leg",),
-           ("{}foot",), ("{}toebase", "{}toe"), ("{}arm",), ("{}forearm",), ("{}hand",)),
-    Family("CMU, 100STYLE, Xsens", ("right", "left"), ("hips", "hip", "pelvis"), ("neck",), ("head",), ("{}hip", "{}upperleg"),
-           ("{}knee", "{}lowerleg"), ("{}ankle", "{}foot"), ("{}toe", "{}toebase"), ("{}shoulder", "{}upperarm"),
-           ("{}elbow", "{}lowerarm"), ("{}wrist", "{}hand")),
-    Family("CMU for Daz", ("r", "l"), ("hip",), ("neck",), ("head",), ("{}thigh",), ("{}shin",), ("{}foot",), ("{}toe",),
-           ("{}shldr",), ("{}forearm",), ("{}hand",)),
-    Family("SMPL", ("r", "l"), ("pelvis",), ("neck",), ("head",), ("{}hip",), ("{}knee",), ("{}ankle",), ("{}foot",),
-           ("{}shoulder",), ("{}elbow",), ("{}wrist",)),
-    Family("Bandai-Namco, VRM", ("r", "l"), ("hips",), ("neck",), ("head",), ("upperleg{}",), ("lowerleg{}",), ("foot{}",),
-           ("toes{}",), ("upperarm{}",), ("lowerarm{}",), ("hand{}",)),
-    Family("Unreal", ("r", "l"), ("pelvis",), ("neck01",), ("head",), ("thigh{}",), ("calf{}",), ("foot{}",), ("ball{}",),
-           ("upperarm{}",), ("lowerarm{}",), ("hand{}",)),
-    Family("Biped", ("r", "l"), ("bip01", "bip01pelvis"), ("bip01neck",), ("bip01head",), ("bip01{}thigh",), ("bip01{}calf",),
-           ("bip01{}foot",), ("bip01{}toe0",), ("bip01{}upperarm",), ("bip01{}forearm",), ("bip01{}hand",)),
+    Family("LAFAN1, Mixamo, MotionBuilder", ("right", "left"), ("hips",), ("neck",), ("head",),
+           hip=("{}upleg",), knee=("{}leg",), ankle=("{}foot",), toe=("{}toebase", "{}toe"),
+           shoulder=("{}arm",), elbow=("{}forearm",), wrist=("{}hand",)),
+    Family("CMU, 100STYLE, Xsens", ("right", "left"), ("hips", "hip", "pelvis"), ("neck",), ("head",),
+           hip=("{}hip", "{}upperleg"), knee=("{}knee", "{}lowerleg"), ankle=("{}ankle", "{}foot"),
+           toe=("{}toe", "{}toebase"), shoulder=("{}shoulder", "{}upperarm"), elbow=("{}elbow", "{}lowerarm"),
+           wrist=("{}wrist", "{}hand")),
+    Family("CMU for Daz", ("r", "l"), ("hip",), ("neck",), ("head",),
+           hip=("{}thigh",), knee=("{}shin",), ankle=("{}foot",), toe=("{}toe",),
+           shoulder=("{}shldr",), elbow=("{}forearm",), wrist=("{}hand",)),
+    Family("SMPL", ("r", "l"), ("pelvis",), ("neck",), ("head",),
+           hip=("{}hip",), knee=("{}knee",), ankle=("{}ankle",), toe=("{}foot",),
+           shoulder=("{}shoulder",), elbow=("{}elbow",), wrist=("{}wrist",)),
+    Family("Bandai-Namco, VRM", ("r", "l"), ("hips",), ("neck",), ("head",),
+           hip=("upperleg{}",), knee=("lowerleg{}",), ankle=("foot{}",), toe=("toes{}",),
+           shoulder=("upperarm{}",), elbow=("lowerarm{}",), wrist=("hand{}",)),
+    Family("Unreal", ("r", "l"), ("pelvis",), ("neck01",), ("head",),
+           hip=("thigh{}",), knee=("calf{}",), ankle=("foot{}",), toe=("ball{}",),
+           shoulder=("upperarm{}",), elbow=("lowerarm{}",), wrist=("hand{}",)),
+    Family("Biped", ("r", "l"), ("bip01pelvis", "bip01"), ("bip01neck",), ("bip01head",),
+           hip=("bip01{}thigh",), knee=("bip01{}calf",), ankle=("bip01{}foot",), toe=("bip01{}toe0",),
+           shoulder=("bip01{}upperarm",), elbow=("bip01{}forearm",), wrist=("bip01{}hand",)),
 )  # fmt: skip
 """Skeletons that are recognised by their joints' names."""
 
@@ -90,8 +97,8 @@ def recognise(path: Path, names: tuple[str, ...]) -> JointMap:
     best = min(range(len(maps)), key=lambda i: len(missing[i]))
     if missing[best]:
         raise MotionError(
-            f"{path}: line 1: unknown skeleton, no joint found for {', '.join(missing[best])} (nearest: {FAMILIES[best].name});"
-            f" write a map (--map map.yml). The file's joints are {_listed(names)}"
+            f"{path}: line 1: unknown skeleton, no joint found for {', '.join(missing[best])}"
+            f" (nearest: {FAMILIES[best].name}); write a map (--map map.yml). The file's joints are {_listed(names)}"
         )
     return JointMap(maps[best])
 
@@ -113,7 +120,8 @@ def read_map(path: Path, motion: Path, names: tuple[str, ...]) -> JointMap:
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = mark.line + 1 if mark else 1
-        raise MotionError(f"{path}: line {line}: not YAML ({getattr(error, 'problem', None) or 'unreadable'})") from None
+        problem = getattr(error, "problem", None) or "unreadable"
+        raise MotionError(f"{path}: line {line}: not YAML ({problem})") from None
     except (RecursionError, ValueError) as error:
         raise MotionError(f"{path}: line 1: not sane YAML ({error})") from None
     return _checked(path, text, content, motion, names)
@@ -135,7 +143,7 @@ def _checked(path: Path, text: str, content: Any, motion: Path, names: tuple[str
         fail(f"up is {up!r}; the axes are {', '.join(UP_AXES)}", "up")
     if drop is not None and (isinstance(drop, bool) or not isinstance(drop, int) or drop < 0):
         fail(f"drop is {drop!r}; a number of frames is expected", "drop")
-    joints = content["joints"]
+    joints = {role: str(joint) for role, joint in content["joints"].items()}
     for role, joint in joints.items():
         if role not in ROLES:
             fail(f"unknown role {role!r}; the roles are {', '.join(ROLES)}", role)
@@ -143,7 +151,7 @@ def _checked(path: Path, text: str, content: Any, motion: Path, names: tuple[str
             fail(f"{role}: {motion.name} has no joint {joint!r}; its joints are {_listed(names)}", role)
     if absent := [role for role in REQUIRED if role not in joints]:
         fail(f"no joint for {', '.join(absent)}")
-    return JointMap(dict(joints), up, drop)
+    return JointMap(joints, up, drop)
 
 
 def _wanted(family: Family, plain: dict[str, str]) -> dict[str, str]:

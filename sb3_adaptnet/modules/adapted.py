@@ -136,12 +136,18 @@ class AdaptedActor(Actor):
                 total[space] = offset * scale if space not in total else total[space].add(offset, alpha=scale)
         return total
 
+    def base_latent(self, observation: Observation) -> torch.Tensor:
+        """The base's z0 = [E(o), g], from the code in the observation if it is there: the base never changes."""
+        if observation.base_code is None:
+            return self.base.encode(observation)
+        return torch.cat((observation.base_code, observation.goal), dim=1)
+
     def forward(self, observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
         """Mean and log standard deviation (B, action_size) of the Gaussian over actions.
 
         An injection into Z1, Z2, ... is added where the adaptors' increment is: before the activation.
         """
-        latent = self.base.encode(observation)
+        latent = self.base_latent(observation)
         offsets = self.injections(observation, latent)
         if 0 in offsets:
             latent = latent + offsets[0]

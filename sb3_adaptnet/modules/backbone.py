@@ -62,15 +62,19 @@ class Backbone(Actor):
         nn.init.orthogonal_(self.log_std.weight, gain=HEAD_GAIN)
         nn.init.constant_(self.log_std.bias, math.log(INITIAL_STD))
 
-    def start_at_pose(self, pose: Sequence[float]) -> None:
-        """Start the mean action at a pose (action_size,), given as an action in [-1, 1]."""
-        with torch.no_grad():
-            self.mean.bias.copy_(torch.as_tensor(pose, dtype=self.mean.bias.dtype))
+    @torch.no_grad()
+    def start_at(self, pose: Sequence[float], std: float = INITIAL_STD) -> None:
+        """Start the actions around a pose (action_size,), given as an action in [-1, 1], with a standard deviation."""
+        self.mean.bias.copy_(torch.as_tensor(pose, dtype=self.mean.bias.dtype))
+        self.log_std.bias.fill_(math.log(std))
+
+    def code(self, frames: torch.Tensor) -> torch.Tensor:
+        """The state code E(o) of frames, (B, gru_size), float32."""
+        return self.encoder(self.normalizer(frames)).float()
 
     def encode(self, observation: Observation) -> torch.Tensor:
         """The latent z0 = [E(o), g], (B, gru_size + goal_size); the goal is not normalised."""
-        code = self.encoder(self.normalizer(observation.frames))
-        return torch.cat((code.float(), observation.goal), dim=1)
+        return torch.cat((self.code(observation.frames), observation.goal), dim=1)
 
     def first_bias(self, observation: Observation) -> torch.Tensor | None:
         """What the heightmap adds to the first layer's output, (B, hidden_sizes[0]), or None without one."""

@@ -6,32 +6,35 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.modules.normalizer import RunningNormalizer, moments_of
 
 
-def unroll_gru(cell: nn.GRUCell, inputs: torch.Tensor) -> torch.Tensor:
-    """Run a GRU cell over a short sequence from a zero state and return the last state.
+def unroll_gru(gru: nn.GRU, inputs: torch.Tensor) -> torch.Tensor:
+    """Run a GRU over a short sequence from a zero state and return the last state, twice differentiable.
 
-    Written out because cuDNN's GRU has no second derivative, which the gradient penalty needs, and because one
-    product projects the inputs of all frames at once.
+    Written out because neither cuDNN's GRU nor ``StateEncoder``'s fast one has the second derivative that the gradient
+    penalty needs. Gates in torch's order: reset, update, new.
 
     Args:
-        cell: The weights.
+        gru: The weights, one layer.
         inputs: (B, frames, input size), oldest frame first.
 
     Returns:
-        Last hidden state (B, hidden size).
+        Last hidden state (B, hidden size), float32.
     """
-    projected = functional.linear(inputs, cell.weight_ih, cell.bias_ih)
-    state = projected.new_zeros(len(inputs), cell.hidden_size)
-    for frame in range(inputs.shape[1]):
-        reset_in, update_in, new_in = projected[:, frame].chunk(3, dim=-1)
-        hidden = functional.linear(state, cell.weight_hh, cell.bias_hh)
-        reset_h, update_h, new_h = hidden.chunk(3, dim=-1)
-        reset, update = torch.sigmoid(reset_in + reset_h), torch.sigmoid(update_in + update_h)
-        candidate = torch.tanh(new_in + reset * new_h)
-        state = candidate + update * (state - candidate)
-    return state
+    size = gru.hidden_size
+    projected = functional.linear(inputs, gru.weight_ih_l0, gru.bias_ih_l0).unbind(1)
+    state = projected[0].new_zeros(len(inputs), size)
+    for frame, gates in enumerate(projected):
+        first = frame == 0  # the state is zero: only the bias counts
+        hidden = gru.bias_hh_l0.to(state.dtype) if first else functional.linear(state, gru.weight_hh_l0, gru.bias_hh_l0)
+        both, new = gates.split((2 * size, size), dim=-1)
+        both_h, new_h = hidden.split((2 * size, size), dim=-1)
+        reset, update = torch.sigmoid(both + both_h).split(size, dim=-1)
+        candidate = torch.tanh(torch.addcmul(new, reset, new_h))
+        state = torch.lerp(candidate, state, update)
+    return state.float()
 
 
 def hinge_loss(simulated: torch.Tensor, reference: torch.Tensor) -> torch.Tensor:
@@ -79,7 +82,7 @@ class Discriminator(nn.Module):
         super().__init__()
         self.frame_size = links * numbers
         self.normalizer = RunningNormalizer(self.frame_size)
-        self.cell = nn.GRUCell(self.frame_size, gru)
+        self.encoder = StateEncoder(self.frame_size, gru)
         sizes = [gru, *hidden]
         self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in zip(sizes[:-1], sizes[1:], strict=True))
         self.heads = nn.Linear(sizes[-1], heads)
@@ -95,7 +98,9 @@ class Discriminator(nn.Module):
 
     def scores(self, frames: torch.Tensor) -> torch.Tensor:
         """Score normalised frames (B, frames, links * numbers): (B, heads)."""
-        features = unroll_gru(self.cell, frames)
+        return self._head_scores(self.encoder(frames))
+
+    def _head_scores(self, features: torch.Tensor) -> torch.Tensor:
         for layer in self.layers:
             features = functional.relu(layer(features))
         return self.heads(features)
@@ -119,7 +124,7 @@ class Discriminator(nn.Module):
         """
         mix = torch.rand(len(simulated), 1, 1, device=simulated.device)
         points = torch.lerp(reference, simulated, mix).detach().requires_grad_()
-        scores = self.scores(points)
+        scores = self._head_scores(unroll_gru(self.encoder.gru, points))
         chosen = torch.randint(scores.shape[1], (len(scores), 1), device=scores.device)
         (gradient,) = torch.autograd.grad(scores.gather(1, chosen).sum(), points, create_graph=True)
         return torch.linalg.vector_norm(gradient.float().flatten(1), dim=1)

@@ -25,10 +25,16 @@ class Moments(NamedTuple):
 
 @torch.no_grad()
 def moments_of(frames: torch.Tensor) -> Moments:
-    """Moments over all but the last axis of frames (..., size)."""
-    samples = frames.reshape(-1, frames.shape[-1]).double()
-    var, mean = torch.var_mean(samples, dim=0, correction=0)
-    return Moments(len(samples), mean, var)
+    """Moments over all but the last axis of frames (..., size).
+
+    Sums are taken about the first frame, so that float32 loses nothing to a mean far from zero.
+    """
+    samples = frames.reshape(-1, frames.shape[-1])
+    origin = samples[0]
+    offsets = samples - origin
+    shift = offsets.sum(dim=0).double() / len(samples)
+    square = offsets.square_().sum(dim=0).double() / len(samples)
+    return Moments(len(samples), origin.double() + shift, (square - shift.square()).clamp_min_(0.0))
 
 
 class RunningNormalizer(nn.Module):

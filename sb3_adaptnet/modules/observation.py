@@ -15,11 +15,13 @@ class Observation(NamedTuple):
             rad/s].
         goal: (B, goal_size): unit direction in the heading frame, distance [m], preferred speed [m/s].
         heightmap: (B, 1, 35, 35) terrain heights relative to the ground under the root [m], or None.
+        base_code: (B, gru_size) what a frozen base's encoder makes of the frames, if it is known already, or None.
     """
 
     frames: torch.Tensor
     goal: torch.Tensor
     heightmap: torch.Tensor | None
+    base_code: torch.Tensor | None = None
 
 
 def split_observation(

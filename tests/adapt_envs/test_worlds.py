@@ -57,11 +57,11 @@ def test_contact_friction_is_as_asked(asked):
     worlds = make_vector(env_id("Walk"), 1, friction=asked).worlds
     worlds.reset(np.arange(1))
     data = mujoco.MjData(worlds.model)
+    floor, touching = worlds.model.geom("floor").id, []
     for _ in range(30):
         worlds.step(worlds.reference.mean_pose[None], None)
-    worlds.physics.mujoco_data(0, data)
-    floor = worlds.model.geom("floor").id
-    touching = [contact.friction[0] for contact in data.contact if floor in contact.geom]
+        worlds.physics.mujoco_data(0, data)
+        touching += [contact.friction[0] for contact in data.contact if floor in contact.geom]
     assert touching
     assert np.allclose(touching, asked)
 

@@ -12,7 +12,7 @@ from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.dynamics import GRAVITY, momentum
 from adapt_envs.motion.synthesis.balance import centre_of_mass, height_plan, zmp_plan
 from adapt_envs.motion.synthesis.body import Course, hips, pelvis_frame, poses
-from adapt_envs.motion.synthesis.feet import Steps, foot_path
+from adapt_envs.motion.synthesis.feet import FootPath, Steps, foot_path
 from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.legs import REACH
 
@@ -21,7 +21,7 @@ OVERSAMPLING = 2
 """Samples per frame while a motion is made."""
 DT = 1 / (FPS * OVERSAMPLING)
 ORIGIN = "synthesised by adapt_envs.motion.synthesis"
-_PASSES = 4
+_PASSES, _LOWERING_PASSES = 6, 3
 
 
 def gait_phase(steps: Steps, t: Array) -> Array:
@@ -48,7 +48,8 @@ def body_motion(gait: Gait, steps: Steps, course: Course, t: Array) -> Array:
         if turn == 0:
             above = float(np.mean(com[:, 2] - root[:, 2]))
         drop = _out_of_reach(course, pelvis, root)
-        height = height - drop
+        if turn < _LOWERING_PASSES:
+            height = height - drop
         correction = _spin_shift(motion.spin_rate, motion.mass, _padded(motion.force))
         target = plan + correction
         wanted = np.column_stack([centre_of_mass(target, height + above, DT), height + above])
@@ -85,12 +86,13 @@ def _spin_shift(spin_rate: Array, mass: float, force: Array) -> Array:
 def _out_of_reach(course: Course, pelvis: Array, root: Array) -> Array:
     """By how much the pelvis must come down (T,) [m] for both legs to reach their feet, widened and smoothed."""
     excess = np.zeros(len(root))
-    for hip, (ankle, _, _) in zip(hips(pelvis, root), course.feet, strict=True):
+    for hip, foot in zip(hips(pelvis, root), course.feet, strict=True):
+        ankle = foot.ankle
         level = np.sum((hip[:, :2] - ankle[:, :2]) ** 2, axis=1)
         highest = ankle[:, 2] + np.sqrt(np.maximum((REACH - 0.003) ** 2 - level, 0.25))
         near = ankle[:, 2] < 0.17
         excess = np.maximum(excess, np.where(near, hip[:, 2] - highest, 0))
-    window = int(0.2 / DT)
+    window = int(0.3 / DT)
     return gaussian_filter1d(maximum_filter1d(excess, window), window / 3, mode="nearest")
 
 
@@ -104,11 +106,6 @@ def to_clip(name: str, qpos: Array, cyclic: bool) -> MotionClip:
     return MotionClip(name, qpos[::OVERSAMPLING], joint_names(), cyclic, ORIGIN)
 
 
-def both_feet(gait: Gait, steps: Steps, t: Array) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
+def both_feet(gait: Gait, steps: Steps, t: Array) -> tuple[FootPath, FootPath]:
     """Trajectories of the right and the left foot at times t (T,)."""
     return foot_path(gait, steps, 0, t), foot_path(gait, steps, 1, t)
-
-
-def model_of_character() -> mujoco.MjModel:
-    """The character on its ground."""
-    return compile_model()

@@ -87,33 +87,64 @@ _LEAD = 0.042
 
 def _ballistic(gait: Gait, steps: Steps, t: Array) -> Array:
     """Height with flights: free fall between contacts, a parabola of force (zero at its ends) during them."""
-    level = strike_height(np.array([0.5]))[0] - gait.crouch
-    begins, ends = _supports(steps)
-    height = np.full(len(t), level)
-    fall = np.r_[0.1, begins[1:] - ends[:-1], 0.1] * GRAVITY / 2
+    begins, ends, firsts = _supports(steps)
+    level = _landing_heights(steps, begins, ends, firsts) - gait.crouch
+    flight = np.r_[0.1, begins[1:] - ends[:-1], 0.1]
+    climb = np.r_[0, np.diff(level), 0] / flight
+    height = np.full(len(t), level[-1])
     for i, (begin, end) in enumerate(zip(begins, ends, strict=True)):
         span = end - begin
         rows = np.arange(*np.searchsorted(t, [begin, end]))
-        bend = -GRAVITY * span**2
-        start, stop = np.array([level, -fall[i] * span, bend]), np.array([level, fall[i + 1] * span, bend])
-        height[rows] = hermite((t[rows] - begin) / span, start, stop)
+        down, up = climb[i] - flight[i] * GRAVITY / 2, climb[i + 1] + flight[i + 1] * GRAVITY / 2
+        height[rows] = level[i] + _on_ground((t[rows] - begin) / span, span, down, up, gait.bob)
         if i + 1 < len(begins):
             rows = np.arange(*np.searchsorted(t, [end, begins[i + 1]]))
             since = t[rows] - end
-            height[rows] = level + fall[i + 1] * since - GRAVITY / 2 * since**2
+            height[rows] = level[i] + up * since - GRAVITY / 2 * since**2
     return height
 
 
-def _supports(steps: Steps) -> tuple[Array, Array]:
-    """Beginnings and ends of the times on the ground."""
-    begins, ends = [steps.on[0]], [steps.off[0]]
-    for on, off in zip(steps.on[1:], steps.off[1:], strict=True):
-        if on > ends[-1] + 1e-6:
-            begins.append(on)
-            ends.append(off)
+def _on_ground(u: Array, span: float, down: float, up: float, dip: float) -> Array:
+    """Height (T,) over u in [0, 1] of a stance of `span` seconds, from landing at `down` to leaving at `up` [m/s].
+
+    The force is zero at both ends. A long stance, on one foot after the other, rests `dip` lower in its middle.
+    """
+    if span < _LONG_STANCE:
+        bend = -GRAVITY * span**2
+        return hermite(u, np.array([0, down * span, bend]), np.array([0, up * span, bend]))
+    half, rest = span / 2, np.array([-dip, 0, 0])
+    landing = hermite(2 * u, np.array([0, down * half, -GRAVITY * half**2]), rest)
+    leaving = hermite(2 * u - 1, rest, np.array([0, up * half, -GRAVITY * half**2]))
+    return np.where(u < 0.5, landing, leaving)
+
+
+_LONG_STANCE = 0.45
+"""Stances longer than this [s] are a landing and a take-off, shorter ones a bounce."""
+
+
+def _landing_heights(steps: Steps, begins: Array, ends: Array, firsts: NDArray[np.int64]) -> Array:
+    """Height of the pelvis (n,) [m] at which the landing leg reaches the ground ahead, from the speed of each step."""
+    places = steps.pos[firsts]
+    speed = np.linalg.norm(np.gradient(places, begins, axis=0), axis=1)
+    lead = np.maximum(speed * np.minimum(ends - begins, 0.3) / 2 - _LAND_UNDER, 0.0)
+    return np.minimum(SOLE + 0.003 + np.sqrt((0.998 * REACH) ** 2 - lead**2), 0.875)
+
+
+_LAND_UNDER = 0.06
+"""How far farther under the body than half of its travel in stance the foot of a runner lands [m]."""
+
+
+def _supports(steps: Steps) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Beginnings and ends of the times on the ground, and the first contact of each."""
+    begins, ends, firsts = [steps.on[0]], [steps.off[0]], [0]
+    for k in range(1, len(steps.on)):
+        if steps.on[k] > ends[-1] + 1e-6:
+            begins.append(steps.on[k])
+            ends.append(steps.off[k])
+            firsts.append(k)
         else:
-            ends[-1] = max(ends[-1], off)
-    return np.array(begins), np.array(ends)
+            ends[-1] = max(ends[-1], steps.off[k])
+    return np.array(begins), np.array(ends), np.array(firsts)
 
 
 def centre_of_mass(zmp: Array, height: Array, dt: float) -> Array:

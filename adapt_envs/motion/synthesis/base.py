@@ -27,7 +27,7 @@ def along_path(gait: Gait, commands: list[Command], seconds: float, seed: int, s
         sideways: largest sideways acceleration [m/s^2].
     """
     walking = gait.double > 0
-    path = follow(commands, DT, sideways)
+    path = follow(commands, DT, sideways, ease=0.2 if walking else 0.42)
     steps = path_steps(gait, path, seed, walking)
     t = path.t[path.t < min(steps.on[-2], seconds + 2 * _MARGIN + 0.1)]
     course = _course(gait, path, t, both_feet(gait, steps, t), gait_phase(steps, t), walking)
@@ -45,7 +45,7 @@ def _course(gait: Gait, path: Path, t: np.ndarray, feet: tuple, phase: np.ndarra
     ahead = np.column_stack([np.cos(heading), np.sin(heading)])
     forward = (path.acc[:n] * ahead).sum(axis=1) / 9.81
     left = (path.acc[:n, 1] * ahead[:, 0] - path.acc[:n, 0] * ahead[:, 1]) / 9.81
-    lean = np.column_stack([-0.75 * np.arctan(left), 0.35 * np.arctan(forward)])
+    lean = np.column_stack([-(0.75 if walking else 0.9) * np.arctan(left), 0.35 * np.arctan(forward)])
     speed = path.speed[:n]
     scale = 1.27 * speed / (speed + 0.35) if walking else 0.55 + 0.45 * speed / 2.5
     smooth = [gaussian_filter1d(x, 0.1 / DT, axis=0, mode="nearest") for x in (look, scale, lean)]
@@ -55,5 +55,5 @@ def _course(gait: Gait, path: Path, t: np.ndarray, feet: tuple, phase: np.ndarra
 def base_clip(gait: Gait) -> MotionClip:
     """The base motion of a row without a period: walking or running along its own random path."""
     if gait.kind == "run":
-        return along_path(gait, running_commands(RUN_SECONDS + 6, seed=11), RUN_SECONDS, seed=12, sideways=4.0)
+        return along_path(gait, running_commands(RUN_SECONDS + 6, seed=11), RUN_SECONDS, seed=12, sideways=3.0)
     return along_path(gait, walking_commands(WALK_SECONDS + 6, seed=3), WALK_SECONDS, seed=5, sideways=2.4)

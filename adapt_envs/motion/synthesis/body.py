@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs.motion.synthesis.feet import FootPath
 from adapt_envs.motion.synthesis.gait import Arm, Gait
-from adapt_envs.motion.synthesis.legs import HIP, euler_xyz, leg_angles, rot_x, rot_y, rot_z
+from adapt_envs.motion.synthesis.legs import HIP, REACH, euler_xyz, leg_angles, rot_x, rot_y, rot_z
 
 Array = NDArray[np.float64]
 _KNEE_WITH_FOOT = 0.5
@@ -23,7 +24,7 @@ class Course:
         phase: (T,) of the gait cycle [rad].
         scale: (T,) size of the waves, 1 at a comfortable walk.
         lean: (T, 2) roll (right side down) and pitch (forward) of the trunk from accelerations [rad].
-        feet: for right and left (position (T, 3), yaw (T,), pitch (T,)).
+        feet: paths of the right and the left foot.
     """
 
     heading: Array
@@ -31,7 +32,7 @@ class Course:
     phase: Array
     scale: Array
     lean: Array
-    feet: tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]
+    feet: tuple[FootPath, FootPath]
 
 
 def poses(gait: Gait, course: Course, root: Array) -> Array:
@@ -82,11 +83,15 @@ def _arm(arm: Arm, phase: Array, scale: Array, side: int) -> Array:
 
 
 def _leg(gait: Gait, course: Course, pelvis: Array, root: Array, side: int) -> Array:
-    ankle, yaw, pitch = course.feet[side]
+    foot = course.feet[side]
     facing = np.arctan2(pelvis[:, 1, 0], pelvis[:, 0, 0])
-    twist = (yaw - facing + np.pi) % (2 * np.pi) - np.pi
+    twist = (foot.yaw - facing + np.pi) % (2 * np.pi) - np.pi
     knee = facing + _KNEE_WITH_FOOT * twist + np.radians(gait.knee_out) * (2 * side - 1)
-    return leg_angles(pelvis, hips(pelvis, root)[side], ankle, rot_z(yaw) @ rot_y(pitch), knee)
+    hip = hips(pelvis, root)[side]
+    span = foot.ankle - hip
+    distance = np.linalg.norm(span, axis=1)
+    longer = 1 + foot.stretch * np.maximum(0.99 * REACH / distance - 1, 0)
+    return leg_angles(pelvis, hip, hip + span * longer[:, None], rot_z(foot.yaw) @ rot_y(foot.pitch), knee)
 
 
 def _quaternion(matrix: Array) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, both_feet, body_motion, gait_phase, to_clip
 from adapt_envs.motion.synthesis.body import Course
-from adapt_envs.motion.synthesis.footsteps import cyclic_steps
+from adapt_envs.motion.synthesis.footsteps import cyclic_steps, skipping_steps
 from adapt_envs.motion.synthesis.gait import Gait
 
 _MARGIN = 4.0
@@ -18,7 +18,7 @@ def cyclic_clip(gait: Gait) -> MotionClip:
     """The style as a clip of one period that starts at the origin and heads along x."""
     period = gait.frames / FPS
     around = math.ceil(_MARGIN / period)
-    steps = cyclic_steps(gait, 2 * around + 1)
+    steps = (skipping_steps if gait.hop else cyclic_steps)(gait, 2 * around + 1)
     n = gait.frames * OVERSAMPLING
     t = np.arange((2 * around + 1) * n + 1) * DT
     level = np.zeros(len(t))

@@ -15,6 +15,22 @@ _FLAT = 0.11
 
 
 @dataclass(frozen=True)
+class FootPath:
+    """Where one foot is at T times.
+
+    Attributes:
+        ankle: (T, 3) position [m], world.
+        yaw, pitch: (T,) direction and slope, toe down positive [rad].
+        stretch: (T,) in [0, 1]: how far the knee is straightened beyond what the ankle's place asks for.
+    """
+
+    ankle: Array
+    yaw: Array
+    pitch: Array
+    stretch: Array
+
+
+@dataclass(frozen=True)
 class Steps:
     """Contacts of the feet with the ground in the order of their beginnings; arrays of length n.
 
@@ -77,19 +93,15 @@ _PUSH_RATE = 1.9
 """Slope of the heel's rise at toe-off, over its mean."""
 
 
-_BRAKING = 24.0
-"""Deceleration of the foot [m/s^2] as it lands after a long swing: it arrives late and brisk, not early and slow."""
-
-
-def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> tuple[Array, Array, Array]:
-    """Where the ankle of one side is: position (T, 3) [m], yaw and pitch (toe down) (T,) [rad] at times t (T,)."""
-    pos, yaw, pitch = np.zeros((len(t), 3)), np.zeros(len(t)), np.zeros(len(t))
+def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> FootPath:
+    """Path of the foot of one side (0 right, 1 left) at times t (T,)."""
+    pos, yaw, pitch, stretch = np.zeros((len(t), 3)), np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     strike, push = np.radians(gait.strike[side]), np.radians(gait.push[side])
     ks = np.flatnonzero(steps.side == side)
     for order, k in enumerate(ks):
         on, off = steps.on[k], steps.off[k]
         begin, end = steps.single(k)
-        rise = begin + gait.rise * (min(end, begin + 0.8) - begin) if end - begin > 0.05 else on + 0.6 * (off - on)
+        rise = begin + gait.rise * (end - begin) if end - begin > 0.05 else on + 0.6 * (off - on)
         if off - rise > 0.6:
             rise = off - 0.35
         rows = np.arange(*np.searchsorted(t, [on if order else -np.inf, off if k != ks[-1] else np.inf]))
@@ -101,8 +113,9 @@ def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> tuple[Array, Arr
         if order + 1 < len(ks):
             rows = np.arange(*np.searchsorted(t, [off, steps.on[ks[order + 1]]]))
             if len(rows):
-                pos[rows], yaw[rows], pitch[rows] = _swing(gait, steps, k, ks[order + 1], rise, t[rows])
-    return pos, yaw, pitch
+                swing = _swing(gait, steps, k, int(ks[order + 1]), rise, t[rows])
+                pos[rows], yaw[rows], pitch[rows], stretch[rows] = swing.ankle, swing.yaw, swing.pitch, swing.stretch
+    return FootPath(pos, yaw, pitch, stretch)
 
 
 def _place(steps: Steps, k: int, ahead: Array, height: Array) -> Array:
@@ -110,7 +123,7 @@ def _place(steps: Steps, k: int, ahead: Array, height: Array) -> Array:
     return np.column_stack([steps.pos[k] + ahead[:, None] * direction, height])
 
 
-def _swing(gait: Gait, steps: Steps, k: int, following: int, rise: float, t: Array) -> tuple[Array, Array, Array]:
+def _swing(gait: Gait, steps: Steps, k: int, following: int, rise: float, t: Array) -> FootPath:
     side = int(steps.side[k])
     off, on = steps.off[k], steps.on[following]
     span = on - off
@@ -125,14 +138,16 @@ def _swing(gait: Gait, steps: Steps, k: int, following: int, rise: float, t: Arr
     start = np.stack([steps.pos[k] + ahead * direction, speed * span * direction, acc * span**2 * direction])
     back, _ = _pivot(np.array([-strike]), np.array([-HEEL]))
     landing = steps.pos[following] + back * np.array([np.cos(steps.yaw[following]), np.sin(steps.yaw[following])])
-    braking = -_BRAKING * span**2 * np.tanh(np.linalg.norm(landing - steps.pos[k])) * _unit(landing - steps.pos[k])
+    braking = -gait.braking * span**2 * np.tanh(np.linalg.norm(landing - steps.pos[k])) * _unit(landing - steps.pos[k])
     xy = hermite(u, start, np.stack([landing, np.zeros(2), braking]))
     turn = hermite(u, np.array([steps.yaw[k], 0, 0]), np.array([steps.yaw[following], 0, 0]))
     outward = np.column_stack([np.sin(turn), -np.cos(turn)]) * (1 - 2 * side)
     xy += gait.outward * bump(u)[:, None] * outward
-    pitch, xy, lift = _detours(gait.kick[side], u, pitch, xy, turn)
+    kicks = gait.kick[side] if following > k + 1 else ()  # none while the same foot hops
+    pitch, xy, lift = _detours(kicks, u, pitch, xy, turn - np.radians(gait.toe_out) * (2 * side - 1))
     height = gait.clearance * bump(u, 0.5, 2.5) + lift + _lowest(pitch, 0.02 * bump(u))
-    return np.column_stack([xy, height]), turn, pitch
+    straight = sum((kick.stretch * bump(u, kick.peak, kick.sharpness) for kick in kicks), np.zeros_like(u))
+    return FootPath(np.column_stack([xy, height]), turn, pitch, straight)
 
 
 def _unit(vector: Array) -> Array:

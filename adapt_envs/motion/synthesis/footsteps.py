@@ -9,8 +9,6 @@ from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.path import Path
 
 Array = NDArray[np.float64]
-_CENTRE = 0.06
-"""Middle of the foot's rollover ahead of the ankle [m]."""
 _STILL = 0.16
 """Below this speed the character stands [m/s]."""
 _SWING_TURN = np.radians(70)
@@ -30,6 +28,26 @@ def cyclic_steps(gait: Gait, repeats: int) -> Steps:
     yaw = np.radians(gait.toe_out) * sign
     off = _offs(on, np.full(n, gait.double) * lasts)
     return Steps(side, pos, yaw, on, off, np.pi * np.arange(n))
+
+
+def skipping_steps(gait: Gait, repeats: int) -> Steps:
+    """Contacts of a skip: each foot steps, hops and lands on itself, then the other one steps.
+
+    A foot's two places lie where the body is in the middle of its two times on the ground.
+    """
+    assert gait.hop is not None
+    half = gait.frames / FPS / gait.cycles / 2
+    overlap, hop_off, hop_on = gait.double * half, gait.hop[0] * half, gait.hop[1] * half
+    halves = np.arange(2 * gait.cycles * repeats + 2)
+    start = halves * half
+    on = np.column_stack([start, start + hop_on]).ravel()
+    off = np.column_stack([start + hop_off, start + half + overlap]).ravel()
+    side = np.repeat(halves % 2, 2)
+    sign = 2.0 * side - 1
+    middle = np.column_stack([start + (overlap + hop_off) / 2, start + (hop_on + half) / 2]).ravel()
+    speed = sum(gait.length) / 2 / half
+    pos = np.column_stack([speed * middle, sign * gait.width / 2])
+    return Steps(side, pos, np.radians(gait.toe_out) * sign, on, off, np.pi * on / half)
 
 
 def _offs(on: Array, overlap: Array) -> Array:
@@ -57,21 +75,25 @@ def path_steps(gait: Gait, path: Path, seed: int, walking: bool) -> Steps:
     left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     wide = sign * gait.width / 2 * (1 + 0.16 * rng.standard_normal(n))
     stride = 0.035 * rng.standard_normal(n) * path.at(path.speed, middle) * 0.5
-    pos = place + (stride - _CENTRE)[:, None] * ahead + wide[:, None] * left
+    pos = place + (stride - np.mean(gait.roll))[:, None] * ahead + wide[:, None] * left
     yaw = heading + np.radians(gait.toe_out + 2 * rng.standard_normal(n)) * sign
     for k in range(1, n):
         yaw[k] = yaw[k - 1] + np.clip(yaw[k] - yaw[k - 1], -_SWING_TURN, _SWING_TURN)
-        pos[k] = _within_step(pos[k - 1], pos[k], (yaw[k] + yaw[k - 1]) / 2, sign[k], walking)
+        pos[k] = _within_step(pos[k - 1], pos[k], (yaw[k - 1], yaw[k]), sign[k], walking)
     return Steps(side, pos, yaw, on, off, np.pi * np.arange(n))
 
 
-def _within_step(before: Array, pos: Array, yaw: float, sign: float, walking: bool) -> Array:
-    """The place moved to where a leg can step without crossing the other one."""
+def _within_step(before: Array, pos: Array, yaws: tuple[float, float], sign: float, walking: bool) -> Array:
+    """The place moved to where a leg can step without crossing or touching the other one."""
+    yaw = (yaws[0] + yaws[1]) / 2
     ahead = np.array([np.cos(yaw), np.sin(yaw)])
     left = np.array([-ahead[1], ahead[0]])
     step = pos - before
-    longest, narrow = (0.8, 0.105) if walking else (1.5, 0.02)
+    longest, narrow = (0.8, 0.105) if walking else (1.5, 0.05)
     far = np.clip(step @ ahead, -0.25, longest)
+    # Feet side by side need room for heels and toes that point at each other.
+    beside = max(0.0, 1 - abs(far) / 0.25)
+    narrow += beside * (0.02 + 0.1 * abs(np.sin(yaws[1] - yaws[0])))
     wide = np.clip(step @ left * sign, narrow, 0.36)
     return before + far * ahead + wide * sign * left
 

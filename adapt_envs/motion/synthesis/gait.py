@@ -48,6 +48,7 @@ class Kick:
     Attributes:
         forward, up: displacement at its peak [m].
         pitch: change of the foot's pitch at the peak, toe down positive [deg].
+        stretch: how straight the knee gets at the peak: 1 is straight.
         peak: when, as a fraction of the swing.
         sharpness: 3 is as long as the swing allows, 6 a brief flick.
     """
@@ -55,6 +56,7 @@ class Kick:
     forward: float = 0.0
     up: float = 0.0
     pitch: float = 0.0
+    stretch: float = 0.0
     peak: float = 0.5
     sharpness: float = 3.0
 
@@ -80,6 +82,7 @@ class Gait:
         rise: when the heel rises, as a fraction of single support.
         clearance: height of the swing foot's lowest point [m].
         outward: sideways detour of the swing foot [m].
+        braking: deceleration of the foot as it lands [m/s^2]: it arrives late and brisk, not early and slow.
         kick: detours of the swing foot.
         roll: where the zero-moment point enters and leaves the foot, ahead of the ankle [m].
         inset: how far inside of the ankle it runs [m].
@@ -91,7 +94,7 @@ class Gait:
         head_yaw, head_roll, head_pitch: head relative to the heading.
         arms: waves of the right and the left arm.
         knee_out: degrees that the knees point outward.
-        hop: 0, or the fraction of each half cycle at which the foot of a skip hops off, see `footsteps.skip`.
+        hop: None, or when the foot of a skip hops off and lands again, as fractions of its half cycle.
     """
 
     name: str
@@ -108,6 +111,7 @@ class Gait:
     rise: float = 0.55
     clearance: float = 0.025
     outward: float = 0.015
+    braking: float = 24.0
     kick: tuple[tuple[Kick, ...], tuple[Kick, ...]] = ((), ())
     roll: Pair = (0.0, 0.12)
     inset: float = 0.008
@@ -126,4 +130,4 @@ class Gait:
     head_pitch: Wave = Wave(2)
     arms: tuple[Arm, Arm] = field(default=(Arm(), Arm()))
     knee_out: float = 0.0
-    hop: float = 0.0
+    hop: Pair | None = None

@@ -54,20 +54,21 @@ class Path:
         return np.stack([np.interp(time, self.t, column) for column in values.T], axis=-1)
 
 
-def follow(commands: list[Command], dt: float, sideways: float, height: float = 0.93) -> Path:
+def follow(commands: list[Command], dt: float, sideways: float, ease: float, height: float = 0.93) -> Path:
     """Smooth path through commands.
 
     Args:
         commands: stretches one after the other.
         dt: time step [s].
         sideways: largest sideways acceleration [m/s^2]: sharp turns are slowed down to it.
+        ease: width of the smoothing of the speed [s].
         height: of the centre of mass [m].
     """
     speed, rate = (np.concatenate(parts) for parts in zip(*(_stretch(c, dt) for c in commands), strict=True))
     rate = gaussian_filter1d(rate, 0.09 / dt, mode="nearest")
     # A dip of speed that begins before the turn: the fourth power keeps gentle arcs at full speed.
     dip = (1 + (np.abs(gaussian_filter1d(rate, 0.18 / dt)) * speed / sideways) ** 4) ** -0.25
-    speed = gaussian_filter1d(speed * dip, 0.2 / dt, mode="nearest")
+    speed = gaussian_filter1d(speed * dip, ease / dt, mode="nearest")
     heading = np.cumsum(rate) * dt
     velocity = speed[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
     pos = np.cumsum(velocity, axis=0) * dt
@@ -143,7 +144,7 @@ def running_commands(seconds: float, seed: int) -> list[Command]:
 
 def _run_goals(rng: np.random.Generator) -> list[Command]:
     return [
-        Command(rng.uniform(2.0, 3.2), rng.uniform(1.0, 3.1), _angle(rng, 5, 180), np.radians(rng.uniform(100, 170)))
+        Command(rng.uniform(2.0, 3.2), rng.uniform(1.0, 3.1), _angle(rng, 5, 180), np.radians(rng.uniform(95, 145)))
         for _ in range(3)
     ]
 

@@ -13,6 +13,7 @@ from sb3_adaptnet.modules.merge import merge
 from sb3_adaptnet.modules.normalizer import moments_of
 from sb3_adaptnet.modules.observation import Observation, split_observation
 from sb3_adaptnet.modules.progressive import ProgressiveActor
+from sb3_adaptnet.modules.regularizers import penalise_injections, penalise_parameters
 
 SMALL = Architecture(tuple(f"joint_{i}" for i in range(6)), gru_size=8, hidden_sizes=(16, 12))
 SHAPES = {
@@ -27,6 +28,11 @@ SHAPES = {
     "heightmap": AdaptationShape(heightmap=True),
 }
 NO_PENALTY = Penalties(0.0, 0.0)
+
+
+@pytest.fixture(autouse=True)
+def _seed():
+    torch.manual_seed(0)
 
 
 def observation(batch: int = 7, seed: int = 0) -> Observation:
@@ -191,7 +197,7 @@ def test_unknown_injection_lists_the_latent_spaces():
         Adaptation(SMALL, AdaptationShape(injection="z7"))
 
 
-# -- regularisers (eq. 12) -------------------------------------------------------------------------------------------
+# -- regularisers (eq. 12) -----------------------------------------------------------------------------------------
 
 
 def loss_of(actor: nn.Module, obs: Observation) -> torch.Tensor:
@@ -228,8 +234,23 @@ def test_penalties_equal_an_explicit_loss(name):
     actor.penalties = Penalties(beta, kappa)
     found = gradients(actor, loss_of(actor, obs))
     for ours, theirs in zip(found, expected, strict=True):
-        assert torch.allclose(ours, theirs, atol=1e-7, rtol=1e-5)
+        assert torch.allclose(ours, theirs, atol=1e-6, rtol=1e-4)  # float32 through four convolutions
     assert any(not torch.allclose(ours, theirs, atol=1e-4) for ours, theirs in zip(found, plain, strict=True))
+
+
+def test_penalty_gradients_are_exact():
+    generator = torch.Generator().manual_seed(0)
+    x, y = (torch.randn(9, width, generator=generator, dtype=torch.float64, requires_grad=True) for width in (4, 6))
+    norms = torch.linalg.vector_norm(torch.cat((x, y), dim=1), dim=1)
+    expected = torch.autograd.grad((x**3).sum() + (y**2).sum() + 0.3 * norms.mean(), (x, y))
+    attached = penalise_injections({0: x, 2: y}, 0.3)
+    found = torch.autograd.grad((attached[0] ** 3).sum() + (attached[2] ** 2).sum(), (x, y))
+    joint = torch.linalg.vector_norm(torch.cat((x.flatten(), y.flatten())))
+    expected += torch.autograd.grad((x**3).sum() + (y**2).sum() + 0.3 * joint, (x, y))
+    a, b = penalise_parameters([x, y], 0.3)
+    found += torch.autograd.grad((a**3).sum() + (b**2).sum(), (x, y))
+    for ours, theirs in zip(found, expected, strict=True):
+        assert torch.allclose(ours, theirs, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -261,9 +282,9 @@ def test_anchor_penalty_equals_an_explicit_loss():
     known = dict(base.named_parameters())
     drift = [p - known[name] for name, p in network.named_parameters() if p.requires_grad]
     distance = torch.linalg.vector_norm(torch.cat([d.flatten() for d in drift]))
-    expected = torch.autograd.grad(loss_of(network, observation()) + 0.2 * distance, [
-        p for p in network.parameters() if p.requires_grad
-    ])
+    expected = torch.autograd.grad(
+        loss_of(network, observation()) + 0.2 * distance, [p for p in network.parameters() if p.requires_grad]
+    )
     found = gradients(actor, loss_of(actor, observation()))
     for ours, theirs in zip(found, expected, strict=True):
         assert torch.allclose(ours, theirs, atol=1e-7, rtol=1e-5)
@@ -273,13 +294,14 @@ def test_anchor_penalty_at_the_anchor_is_zero():
     base = make_base()
     network = Backbone(SMALL)
     network.load_state_dict(base.state_dict())
+    network.log_std.requires_grad_(False)
     plain = gradients(network, loss_of(network, observation()))
     anchored = AnchoredActor(network, base, kappa=3.0)
     found = gradients(anchored, loss_of(anchored, observation()))
     assert all(torch.equal(ours, theirs) for ours, theirs in zip(found, plain, strict=True))
 
 
-# -- progressive network ---------------------------------------------------------------------------------------------
+# -- progressive network -------------------------------------------------------------------------------------------
 
 
 def test_progressive_column_learns_and_reads_the_frozen_base():

@@ -49,7 +49,7 @@ def test_observation_of_another_width_is_refused():
         split_observation(torch.zeros(1, 783), Architecture(JOINTS))
 
 
-# -- GRU -------------------------------------------------------------------------------------------------------------
+# -- GRU -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("steps", [1, 4])
@@ -82,7 +82,7 @@ def test_gru_in_bfloat16_is_close_and_differentiable():
     assert (found - gru.weight_hh_l0.grad).norm() < 0.03 * gru.weight_hh_l0.grad.norm()
 
 
-# -- normaliser ------------------------------------------------------------------------------------------------------
+# -- normaliser ----------------------------------------------------------------------------------------------------
 
 
 def test_normalizer_statistics_equal_those_of_all_samples():
@@ -125,13 +125,13 @@ def test_copied_statistics_can_still_move():
     assert own.mean.item() == pytest.approx(5.0, abs=0.3)
 
 
-# -- base ------------------------------------------------------------------------------------------------------------
+# -- base ----------------------------------------------------------------------------------------------------------
 
 
 def test_fresh_base_acts_near_the_mean_pose_with_the_initial_std():
     network = Backbone(SMALL)
     pose = np.linspace(-0.5, 0.5, 6)
-    network.start_at_pose(pose.tolist())
+    network.start_at(pose.tolist())
     mean, log_std = network(observation())
     assert torch.allclose(mean, torch.tensor(pose, dtype=torch.float32).expand(5, -1), atol=0.2)
     assert torch.allclose(log_std, torch.full_like(log_std, math.log(INITIAL_STD)), atol=0.2)
@@ -175,7 +175,7 @@ def test_base_that_reads_a_heightmap_says_when_there_is_none():
     assert not torch.equal(network(flat)[0], network(sloped)[0])
 
 
-# -- critic ----------------------------------------------------------------------------------------------------------
+# -- critic --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("objectives", [1, 2, 3])

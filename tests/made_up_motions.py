@@ -23,7 +23,8 @@ STRANGE = {key: f"bone_{i}_{'{}' if '{}' in name else ''}" for i, (key, name) in
 def strange_map() -> dict[str, str]:
     """The map that makes sense of `STRANGE`."""
     roles = {"hips": "hips", "neck": "neck", "head": "head"}
-    limbs = {"shoulder": "arm", "elbow": "forearm", "wrist": "hand", "hip": "thigh", "knee": "shin", "ankle": "foot", "toe": "toe"}
+    arm = {"shoulder": "arm", "elbow": "forearm", "wrist": "hand"}
+    limbs = {**arm, "hip": "thigh", "knee": "shin", "ankle": "foot", "toe": "toe"}
     joints = {role: STRANGE[key] for role, key in roles.items()}
     for side in ("left", "right"):
         joints |= {f"{side}_{role}": STRANGE[key].format(side.capitalize()) for role, key in limbs.items()}
@@ -36,7 +37,8 @@ def _angles(phase: float) -> dict[str, dict[str, float]]:
     for side, shift in (("Left", 0.0), ("Right", math.pi)):
         hip = -16.4 * math.sin(phase + shift)
         knee = 8 + 45 * max(0.0, math.cos(phase + shift))
-        out[side] = {"thigh": hip, "shin": knee, "foot": -hip - knee, "arm": 20 * math.sin(phase + shift), "forearm": -25.0}
+        arm = 20 * math.sin(phase + shift)
+        out[side] = {"thigh": hip, "shin": knee, "foot": -hip - knee, "arm": arm, "forearm": -25.0}
     return out
 
 
@@ -84,13 +86,15 @@ def bvh_text(
     open_joint("JOINT", "head", "", (0, 0, 0.1))
     end((0, 0, 0.15))
     rows.extend(["}"] * 4)
-    lines = [_frame(i, joints, offsets, frame_time, unit, axes, order, six_channels, i < t_pose, still) for i in range(frames)]
+    lines = [
+        _frame(joints, offsets, time, unit, axes, order, six_channels, i < t_pose)
+        for i, time in enumerate(0.0 if i < t_pose or still else i * frame_time for i in range(frames))
+    ]
     return "\n".join(["HIERARCHY", *rows, "MOTION", f"Frames: {frames}", f"Frame Time: {frame_time:.7f}", *lines, ""])
 
 
-def _frame(i: int, joints: list, offsets: dict, frame_time: float, unit: float, axes: "_Axes", order: str,
-           six: bool, t_pose: bool, still: bool) -> str:  # fmt: skip
-    time = 0.0 if t_pose or still else i * frame_time
+def _frame(joints: list, offsets: dict, time: float, unit: float, axes: "_Axes", order: str, six: bool,
+           t_pose: bool) -> str:  # fmt: skip
     angles = _angles(2 * math.pi * time / 1.2)
     numbers: list[str] = []
     for key, side in joints:
@@ -132,11 +136,12 @@ def json_object(frames: int = 40, fps: int = 30) -> dict:
     rows = []
     for i in range(frames):
         angles = _angles(2 * math.pi * i / fps / 1.2)
-        row: dict = {"pelvis": [[1.2 * i / fps, 0.0, 0.85], [0.0, 0.0, 0.0, 1.0]], "torso": about_y(5), "head": about_y(-5)}
+        row: dict = {"pelvis": [[1.2 * i / fps, 0.0, 0.85], [0.0, 0.0, 0.0, 1.0]]}
+        row |= {"torso": about_y(5), "head": about_y(-5)}
         for side, word in (("Left", "left"), ("Right", "right")):
-            row |= {f"{word}_upper_arm": about_y(angles[side]["arm"]), f"{word}_lower_arm": about_y(-25),
-                    f"{word}_hand": about_y(0), f"{word}_thigh": about_y(angles[side]["thigh"]),
-                    f"{word}_shin": about_y(angles[side]["shin"]), f"{word}_foot": about_y(angles[side]["foot"])}  # fmt: skip
+            links = {"upper_arm": "arm", "lower_arm": "forearm", "thigh": "thigh", "shin": "shin", "foot": "foot"}
+            row |= {f"{word}_{link}": about_y(angles[side][key]) for link, key in links.items()}
+            row[f"{word}_hand"] = about_y(0)
         rows.append(row)
     return {"_": "made up", "fps": fps, "frames": rows}
 
@@ -145,7 +150,7 @@ def write(folder: Path, name: str, content: str | bytes | dict) -> Path:
     """A file in a folder; an object becomes JSON, one frame to a line."""
     path = folder / name
     if isinstance(content, dict):
-        rows = ",\n".join(json.dumps(frame) for frame in content["frames"]) if isinstance(content.get("frames"), list) else ""
+        rows = ",\n".join(json.dumps(frame) for frame in content["frames"])
         rest = {key: value for key, value in content.items() if key != "frames"}
         content = json.dumps(rest)[:-1] + (", " if rest else "") + f'"frames": [\n{rows}\n]}}'
     if isinstance(content, str):

@@ -1,0 +1,119 @@
+"""The figures of one policy in one environment: what `adaptnet eval` prints."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from adapt_envs import AdaptVectorEnv
+from adapt_envs.model.humanoid import CONTROL_DT
+from sb3_adaptnet.evaluation.imitation_error import imitation_error
+from sb3_adaptnet.evaluation.recording import Acting, Recording, Steps, record, record_straight
+from sb3_adaptnet.evaluation.smoothness import jerk_ratio, slips
+
+DEFAULT_SECONDS = 1200.0
+"""Simulated seconds of an evaluation, all worlds together."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Measures of a policy's mean action; the fields are those of `adaptnet eval --json`.
+
+    Attributes:
+        goal_reward: mean goal reward of a step, in (0, 1]; random goals.
+        falls_per_minute: episodes that ended by a fall, by getting lost or by diverging, per simulated minute.
+        targets_reached: share of the targets that were come within 0.5 m of before their timer or the episode ended;
+            None if no target came to its end.
+        imitation_error_m: mean distance to the reference [m], straight ahead (see `imitation_error`); None if no world
+            stayed up for 3 s.
+        imitation_error_std_m: standard deviation over matched frames [m].
+        slip_median_cm_s: median sliding speed of the feet's lowest corner; None if no foot touched the ground.
+        slip_p90_cm_s: its 90th percentile.
+        jerk_ratio: mean jerk of the links over the reference's.
+        seconds: simulated seconds, all worlds together.
+        seed: of start states and goals.
+    """
+
+    goal_reward: float
+    falls_per_minute: float
+    targets_reached: float | None
+    imitation_error_m: float | None
+    imitation_error_std_m: float | None
+    slip_median_cm_s: float | None
+    slip_p90_cm_s: float | None
+    jerk_ratio: float | None
+    seconds: float
+    seed: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fields as plain values."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Figures with the rollouts they were taken from.
+
+    Attributes:
+        figures: the measures.
+        free: worlds with random goals.
+        straight: worlds with the goal held straight ahead.
+    """
+
+    figures: Figures
+    free: Recording
+    straight: Recording
+
+
+def reference_speed(env: AdaptVectorEnv) -> float:
+    """The clip's mean speed [m/s], kept within the speeds the environment asks for (which only a base's may leave)."""
+    low, high = env.worlds.spec.speed_range or (0.0, np.inf)
+    return float(np.clip(env.worlds.reference.clips[0].mean_speed, low, high))
+
+
+def evaluate(
+    policy: Acting, env: AdaptVectorEnv, seconds: float = DEFAULT_SECONDS, seed: int = 0, progress: Steps = iter
+) -> Evaluation:
+    """Measure a policy's mean action.
+
+    Args:
+        policy: acts on observations of all worlds.
+        env: worlds without a time limit (`open_worlds`); fallen or lost ones restart and count.
+        seconds: simulated seconds with random goals, all worlds together.
+        seed: of start states and goals.
+        progress: wraps the step numbers of each of the two rollouts.
+
+    Raises:
+        ValueError: if `seconds` is less than one step of all worlds.
+    """
+    steps = round(seconds / env.num_envs / CONTROL_DT)
+    if steps < 1:
+        raise ValueError(f"seconds is {seconds}, but one step of {env.num_envs} worlds takes {env.num_envs / 30:.2f}")
+    free = record(policy, env, steps, seed, progress)
+    straight = record_straight(policy, env, reference_speed(env), seed, progress=progress)
+    return Evaluation(figures_of(env, free, straight, seed), free, straight)
+
+
+def figures_of(env: AdaptVectorEnv, free: Recording, straight: Recording, seed: int) -> Figures:
+    """Figures of two recordings of the worlds `env`."""
+    clip = env.worlds.reference.clips[0]
+    error = imitation_error(straight, clip)
+    sliding = slips(free, env.worlds.model)
+    median, high = np.percentile(sliding, [50, 90]) if len(sliding) else (None, None)
+    return Figures(
+        goal_reward=_rounded(free.rewards.mean()),
+        falls_per_minute=_rounded(60 * free.restarts.sum() / free.seconds),
+        targets_reached=_rounded(free.reached / free.targets) if free.targets else None,
+        imitation_error_m=_rounded(error.mean),
+        imitation_error_std_m=_rounded(error.std),
+        slip_median_cm_s=_rounded(median),
+        slip_p90_cm_s=_rounded(high),
+        jerk_ratio=_rounded(jerk_ratio(free, clip)),
+        seconds=_rounded(free.seconds),
+        seed=seed,
+    )
+
+
+def _rounded(value: Any) -> Any:
+    """A float of four decimals, which is more than the measures are good for; None stays None."""
+    return None if value is None else round(float(value), 4)

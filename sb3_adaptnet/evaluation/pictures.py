@@ -1,0 +1,94 @@
+"""Pictures of several clips beside each other: videos, and strips of one pose from each."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import imageio.v2 as imageio
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PilImage
+from PIL import ImageDraw, ImageFont
+
+from adapt_envs import rotations
+from adapt_envs.kinematics import Kinematics
+from adapt_envs.model.build import compile_model
+from adapt_envs.model.humanoid import LINKS
+from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.motion.sheet import video_frames
+from adapt_envs.scene import FRONT, SIDE, Camera, Image, Scene
+from sb3_adaptnet.evaluation.imitation_error import local_positions
+
+_PANE = (432, 480)
+_TILE = (230, 320)
+_BAND = 34
+_LOOK_HEIGHT = 0.90
+_INK, _PAPER = (32, 38, 48), (250, 250, 248)
+_RIGHT_FOOT, _LEFT_FOOT = LINKS.index("right_foot"), LINKS.index("left_foot")
+
+
+def captioned(picture: Image, caption: str) -> Image:
+    """The picture with a line of text above it."""
+    band = PilImage.new("RGB", (picture.shape[1], _BAND), _PAPER)
+    draw, font = ImageDraw.Draw(band), ImageFont.load_default(17)
+    draw.text(((band.width - draw.textlength(caption, font=font)) / 2, 6), caption, _INK, font=font)
+    return np.concatenate([np.asarray(band), picture], axis=0)
+
+
+def side_by_side(clips: Mapping[str, MotionClip], size: tuple[int, int] = _PANE) -> Iterator[Image]:
+    """Pictures at 30 Hz of all clips at once, captioned by their keys, as long as the shortest lasts."""
+    panes = [video_frames(clip, size) for clip in clips.values()]
+    for pictures in zip(*panes, strict=False):
+        parts = [captioned(picture, caption) for caption, picture in zip(clips, pictures, strict=True)]
+        yield np.concatenate(parts, axis=1)
+
+
+def write_frames(frames: Iterable[Image], path: str | Path) -> None:
+    """Write pictures as a video (`.mp4` or `.gif`) at 30 frames per second."""
+    with imageio.get_writer(path, fps=FPS) as writer:
+        for picture in frames:
+            writer.append_data(picture)  # type: ignore[attr-defined]
+
+
+def pose_strip(clips: Mapping[str, MotionClip]) -> Image:
+    """One pose of each clip, its longest step with the right foot ahead, from the side above from the front.
+
+    Args:
+        clips: caption -> clip.
+
+    Returns:
+        The picture (height, width, 3).
+    """
+    model = compile_model()
+    kinematics = Kinematics(model)
+    with Scene(model, *_TILE) as scene:
+        columns = []
+        for caption, clip in clips.items():
+            pose = facing_x(clip.qpos, longest_step(kinematics, clip))
+            tiles = [_tile(scene, pose, camera) for camera in (SIDE, FRONT)]
+            columns.append(captioned(np.concatenate(tiles, axis=0), caption))
+    return np.concatenate(columns, axis=1)
+
+
+def write_strip(clips: Mapping[str, MotionClip], path: str | Path) -> None:
+    """Write `pose_strip` as a PNG."""
+    PilImage.fromarray(pose_strip(clips)).save(path, format="PNG", optimize=True)
+
+
+def longest_step(kinematics: Kinematics, clip: MotionClip) -> int:
+    """Frame of the clip in which the right foot is farthest ahead of the left."""
+    local = local_positions(kinematics.link_states(clip.qpos))
+    return int((local[:, _RIGHT_FOOT, 0] - local[:, _LEFT_FOOT, 0]).argmax())
+
+
+def facing_x(qpos: NDArray[np.float64], frame: int) -> NDArray[np.float64]:
+    """Configuration of one frame of (T, nq), turned so that the mean heading of the second around it is along x."""
+    yaw = rotations.heading(qpos[max(0, frame - FPS // 2) : frame + FPS // 2 + 1, 3:7])
+    turn = rotations.from_yaw(np.asarray(-np.arctan2(np.sin(yaw).mean(), np.cos(yaw).mean())))
+    pose = qpos[frame].copy()
+    pose[:3] = rotations.rotate(turn, pose[:3])
+    pose[3:7] = rotations.multiply(turn, pose[3:7])
+    return pose
+
+
+def _tile(scene: Scene, pose: NDArray[np.float64], camera: Camera) -> Image:
+    return scene.picture(pose, camera, np.array([pose[0], pose[1], _LOOK_HEIGHT]))

@@ -1,0 +1,189 @@
+"""The callback on stock PPO: rewards, bootstraps and advantages of K objectives, on any vector environment."""
+
+import numpy as np
+import pytest
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor
+
+from sb3_adaptnet import AdaptVecEnv, DiscriminatorRewardCallback, PretrainPolicy
+from toy_env import ToyEnv, ToyVectorEnv
+
+SMALL = {"gru_size": 8, "hidden_sizes": (16, 8)}
+DISCRIMINATOR = {"batch_size": 64, "network": {"gru": 8, "hidden": [8], "heads": 4}}
+WEIGHTS = {
+    1: {"imitation": 1.0},
+    2: {"imitation": 0.35, "goal": 0.65},
+    3: {"imitation": 0.3, "goal": 0.5, "effort": 0.2},
+}
+
+
+def effort(step):
+    return -np.square(step["actions"]).mean(axis=1)
+
+
+def make_model(env=None, seed=0, **kwargs):
+    env = AdaptVecEnv(ToyVectorEnv(16, drift=0.03)) if env is None else env
+    settings = {"n_steps": 16, "batch_size": 64, "n_epochs": 2, "gamma": 0.9, "gae_lambda": 0.8, **kwargs}
+    return PPO(PretrainPolicy, env, policy_kwargs=dict(SMALL), seed=seed, **settings)
+
+
+def make_callback(k=2, **kwargs):
+    return DiscriminatorRewardCallback(
+        WEIGHTS[k], discriminator=DISCRIMINATOR, reward_terms={"effort": effort}, **kwargs
+    )
+
+
+class Check(BaseCallback):
+    """Runs a function at every rollout's end, after the discriminators' callback."""
+
+    def __init__(self, function):
+        super().__init__()
+        self.function, self.calls = function, 0
+
+    def _on_step(self):
+        return True
+
+    def _on_rollout_end(self):
+        self.calls += 1
+        self.function(self.model)
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+def test_returns_by_a_plain_loop(k):
+    """Terminal rewards, bootstraps of time limits and of the rollout's end, objective by objective, world by world."""
+    callback = make_callback(k, terminal_reward=-7.0)
+    seen = {"limits": 0, "falls": 0}
+
+    def check(model):
+        rollout, buffer, policy = callback.rollout, model.rollout_buffer, model.policy
+
+        def values_of(observations):
+            with torch.no_grad():
+                return policy.predict_objective_values(torch.as_tensor(np.asarray(observations))).numpy()
+
+        limits = {(step, world): values_of(obs[None])[0] for step, world, obs in rollout.time_limits}
+        last = values_of(callback.locals["new_obs"])
+        expected = np.zeros_like(buffer.returns)
+        for world in range(16):
+            for column, name in enumerate(callback.objectives):
+                following, advantage = last[world, column], 0.0
+                for step in reversed(range(16)):
+                    reward, value = rollout.rewards[name][step, world], buffer.values[step, world, column]
+                    if rollout.terminated[step, world]:
+                        target, advantage = -7.0, 0.0
+                    elif (step, world) in limits:
+                        target, advantage = reward + 0.9 * limits[step, world][column], 0.0
+                    else:
+                        target = reward + 0.9 * following
+                    advantage = target - value + 0.9 * 0.8 * advantage
+                    expected[step, world, column] = advantage + value
+                    following = value
+        np.testing.assert_allclose(buffer.returns, expected, rtol=2e-3, atol=2e-3)
+        seen["limits"] += len(limits)
+        seen["falls"] += int(rollout.terminated.sum())
+
+    make_model().learn(16 * 16 * 5, callback=[callback, Check(check)])
+    assert seen["limits"] > 0 and seen["falls"] > 0  # otherwise nothing was tested
+
+
+def test_goal_reward_is_the_environments_own():
+    """PPO adds its own bootstrap to the rewards in place; the copied ones stay below 1."""
+    callback = make_callback()
+    check = Check(lambda model: np.testing.assert_array_less(callback.rollout.rewards["goal"], 1.0 + 1e-6))
+    make_model().learn(16 * 16 * 5, callback=[callback, check])
+    assert check.calls == 5
+
+
+def test_advantages_are_standardised_and_weighted():
+    callback = make_callback(2)
+
+    def check(model):
+        buffer = model.rollout_buffer
+        raw = buffer.returns - buffer.values
+        standard = (raw - raw.mean((0, 1))) / (raw.std((0, 1)) + 1e-8)
+        np.testing.assert_allclose(buffer.advantages, standard @ [0.35, 0.65], rtol=1e-3, atol=1e-4)
+        assert not model.normalize_advantage
+
+    model = make_model()
+    assert model.normalize_advantage
+    model.learn(16 * 16 * 2, callback=[callback, Check(check)])
+    assert model.normalize_advantage  # put back
+
+
+@pytest.mark.parametrize("make", [
+    lambda: DummyVecEnv([ToyEnv] * 4),
+    lambda: SubprocVecEnv([ToyEnv] * 2),
+    lambda: VecMonitor(AdaptVecEnv(ToyVectorEnv(4))),
+    lambda: AdaptVecEnv(ToyVectorEnv(4, heightmap=True)),
+    lambda: DummyVecEnv([lambda: ToyEnv(heightmap=True)] * 2),
+], ids=["dummy", "subproc", "wrapped", "native-dict", "dummy-dict"])  # fmt: skip
+def test_every_vector_environment(make):
+    callback = make_callback()
+    model = make_model(make())
+    model.learn(16 * model.n_envs * 2, callback=callback)
+    assert np.isfinite(list(callback.metrics.values())).all()
+    assert callback.metrics["imitation_reward"] != 0.0
+    model.env.close()
+
+
+@pytest.mark.parametrize("env", [lambda: ToyEnv(), lambda: AdaptVecEnv(ToyVectorEnv(4))], ids=["single", "native"])
+def test_stock_ppo_without_the_callback(env):
+    model = make_model(env())
+    model.learn(64)
+    assert model.rollout_buffer.values.ndim <= 2
+
+
+def test_same_seed_same_weights_after_ten_updates():
+    states = []
+    for _ in range(2):
+        model = make_model(AdaptVecEnv(ToyVectorEnv(4)), seed=3)
+        model.learn(16 * 4 * 10, callback=make_callback())
+        states.append(model.policy.state_dict())
+    assert all(torch.equal(states[0][name], states[1][name]) for name in states[0])
+
+
+def test_actor_step_size_follows_the_kl():
+    model, callback = make_model(learning_rate=1e-4), make_callback(kl_range=(0.5, 0.9), actor_lr_range=(1e-6, 2e-4))
+    model.learn(16 * 16 * 4, callback=callback)  # a KL far below the range: the step size grows to its bound
+    group = model.policy.optimizer.group("actor")
+    assert group["lr"] * group["lr_scale"] == pytest.approx(2e-4)
+    assert model.policy.optimizer.group("critic")["lr_scale"] == 1.0
+
+
+def test_a_run_goes_on_with_the_same_callback():
+    model, callback = make_model(), make_callback()
+    model.learn(16 * 16, callback=callback)
+    discriminator = callback.imitation.discriminator
+    model.learn(16 * 16, callback=callback, reset_num_timesteps=False)
+    assert callback.imitation.discriminator is discriminator
+
+
+def test_learning_again_without_the_callback_says_what_is_missing():
+    model = make_model()
+    model.learn(16 * 16, callback=make_callback())
+    with pytest.raises(RuntimeError, match="DiscriminatorRewardCallback"):
+        model.learn(16 * 16)
+
+
+def test_refuses_what_it_cannot_use():
+    with pytest.raises(ValueError, match="'speed'.*imitation, goal"):
+        DiscriminatorRewardCallback({"speed": 1.0})
+    with pytest.raises(ValueError, match="'goal'.*-0.1"):
+        DiscriminatorRewardCallback({"goal": -0.1})
+    with pytest.raises(ValueError, match="kl_range"):
+        DiscriminatorRewardCallback(kl_range=(0.03, 0.012))
+    stock = PPO("MlpPolicy", DummyVecEnv([ToyEnv]), n_steps=16)
+    with pytest.raises(ValueError, match="PretrainPolicy.*ActorCriticPolicy"):
+        stock.learn(16, callback=make_callback())
+    bare = PPO(PretrainPolicy, DummyVecEnv([_WithoutWindows]), n_steps=16, policy_kwargs=dict(SMALL))
+    with pytest.raises(ValueError, match="sample_reference_windows"):
+        bare.learn(16, callback=make_callback())
+
+
+class _WithoutWindows(ToyEnv):
+    def __getattribute__(self, name):
+        if name == "sample_reference_windows":
+            raise AttributeError(name)
+        return super().__getattribute__(name)
