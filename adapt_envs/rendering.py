@@ -2,6 +2,7 @@
 
 import time
 import warnings
+from collections.abc import Callable
 
 import glfw
 import mujoco
@@ -136,8 +137,8 @@ class SceneRenderer:
 class Window:
     """An interactive window that shows one world at real speed."""
 
-    def __init__(self, worlds: Worlds) -> None:
-        """Open the window.
+    def __init__(self, worlds: Worlds, on_key: Callable[[int], None] | None = None) -> None:
+        """Open the window; `on_key` is called with the GLFW code of every key that is pressed.
 
         Raises:
             RenderingError: if this machine has no display.
@@ -151,9 +152,16 @@ class Window:
             shown = glfw.init()  # MuJoCo's viewer ends the whole process where this fails
         if not shown:
             raise RenderingError("cannot open a window, there is no display; use render_mode='rgb_array'")
-        self._viewer = mujoco.viewer.launch_passive(self._model, self._data, show_left_ui=False, show_right_ui=False)
+        self._viewer = mujoco.viewer.launch_passive(
+            self._model, self._data, key_callback=on_key, show_left_ui=False, show_right_ui=False
+        )
         self._viewer.cam.distance, self._viewer.cam.elevation = 5.0, -16
         self._due = time.monotonic()
+
+    @property
+    def running(self) -> bool:
+        """Whether nobody has closed the window."""
+        return self._viewer.is_running()
 
     def show(self, world: int = 0) -> None:
         """Draw the world's present state, waiting so that steps follow each other at 30 Hz."""

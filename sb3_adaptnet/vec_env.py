@@ -96,9 +96,7 @@ class AdaptVecEnv(VecEnv):
         return copy_observations(observations), np.array(rewards, np.float32), dones, sb3_infos
 
     def _final_info(self, world: int, infos: dict[str, Any], truncated: bool) -> dict[str, Any]:
-        final = infos["final_obs"]
-        observation = {k: v[world] for k, v in final.items()} if isinstance(final, dict) else final[world]
-        ends = infos["end"] if "end" in infos else infos.get("final_info", {}).get("end")
+        observation, ends = infos["final_obs"][world], infos.get("final_info", {}).get("end")
         episode = {
             "r": round(float(self._returns[world]), 6),
             "l": int(self._lengths[world]),

@@ -37,6 +37,11 @@ def windows_of(states: np.ndarray) -> np.ndarray:
     return windows
 
 
+def row_of(observations: Any, world: int) -> Any:
+    """One world's observation, of an array or a dict of arrays."""
+    return {k: v[world] for k, v in observations.items()} if isinstance(observations, dict) else observations[world]
+
+
 class ToyVectorEnv(VectorEnv):
     """N toys with SAME_STEP autoreset and AdaptVectorEnv's names."""
 
@@ -82,8 +87,11 @@ class ToyVectorEnv(VectorEnv):
         self.pose_windows = windows_of(self._history)
         infos, done = {}, terminated | truncated
         if done.any():
-            infos["final_obs"] = self._observe()
-            infos["end"] = np.where(terminated, "fall", np.where(truncated, "time", ""))
+            final, observations = np.full(self.num_envs, None, dtype=object), self._observe()
+            for world in np.flatnonzero(done):
+                final[world] = row_of(observations, world)
+            infos["final_obs"] = final
+            infos["final_info"] = {"end": np.where(terminated, "fall", np.where(truncated, "time", None))}
             self._restart(done)
         return self._observe(), rewards, terminated, truncated, infos
 
@@ -105,22 +113,19 @@ class ToyEnv(gym.Env):
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         observation, info = self.worlds.reset(seed=seed)
-        return self._first(observation), info
+        return row_of(observation, 0), info
 
     def step(self, action):
         observation, reward, terminated, truncated, infos = self.worlds.step(action[None])
         self.pose_windows = self.worlds.pose_windows[0]
-        info = {}
         if terminated[0] or truncated[0]:
-            observation, info = infos["final_obs"], {"end": str(infos["end"][0])}
-        return self._first(observation), float(reward[0]), bool(terminated[0]), bool(truncated[0]), info
+            return infos["final_obs"][0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), {
+                "end": infos["final_info"]["end"][0]
+            }
+        return row_of(observation, 0), float(reward[0]), bool(terminated[0]), bool(truncated[0]), {}
 
     def sample_reference_windows(self, n, rng):
         return self.worlds.sample_reference_windows(n, rng)
-
-    @staticmethod
-    def _first(observation):
-        return {k: v[0] for k, v in observation.items()} if isinstance(observation, dict) else observation[0]
 
 
 gym.register("Toy-v0", entry_point=ToyEnv, vector_entry_point=ToyVectorEnv)

@@ -58,8 +58,8 @@ class Quality:
     Attributes:
         name: of the clip.
         seconds: its duration.
-        slip_median_cm_s, slip_p90_cm_s: speed of the lowest foot corner while it stays near the ground; the second is the
-            75th percentile for runs and hops, whose contacts are brief.
+        slip_median_cm_s, slip_p90_cm_s: speed of the lowest foot corner while it stays near the ground; the second is
+            the 75th percentile for runs and hops, whose contacts are brief.
         penetration_cm: depth of the deepest foot corner.
         limit_violation_deg: largest excess over a joint's range.
         zmp_in_support: share of grounded frames with the zero-moment point within 5 cm of the support polygon.

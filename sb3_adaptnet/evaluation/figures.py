@@ -98,7 +98,7 @@ def figures_of(env: AdaptVectorEnv, free: Recording, straight: Recording, seed: 
     """Figures of two recordings of the worlds `env`."""
     clip = env.worlds.reference.clips[0]
     error = imitation_error(straight, clip)
-    sliding = slips(free, env.worlds.model)
+    sliding = slips(free, env)
     median, high = np.percentile(sliding, [50, 90]) if len(sliding) else (None, None)
     return Figures(
         goal_reward=_rounded(free.rewards.mean()),

@@ -33,9 +33,12 @@ class ImitationError:
     frames: int
 
 
-def local_positions(links: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Link positions (T, 15, 3) of link states (T, 15, 13), each frame in the heading frame of its own root."""
-    return heading_frame_features(links[:, None])[:, 0, :, :3]
+def local_positions(links: NDArray[np.float32], floor: NDArray[np.float32] | float = 0.0) -> NDArray[np.float32]:
+    """Link positions (T, 15, 3) of link states (T, 15, 13), each frame in the heading frame of its own root.
+
+    `floor` (T,) is the height [m] of the ground below the root.
+    """
+    return heading_frame_features(links[:, None], floor)[:, 0, :, :3]
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class Reference:
 
 
 def frame_errors(motion: NDArray[np.float32], reference: NDArray[np.float32]) -> NDArray[np.float32]:
-    """e (T, R) [m] of the paper's sec. 9.3 between all frames of two motions: mean distance over the 15 links.
+    """Errors e (T, R) [m] of the paper's sec. 9.3 between all frames of two motions: mean distance over the 15 links.
 
     Args:
         motion: (T, 15, 3) link positions.
@@ -112,11 +115,12 @@ def imitation_error(recording: Recording, clip: MotionClip) -> ImitationError:
             alike counts.
     """
     settling, reference = round(SETTLING_SECONDS / CONTROL_DT), Reference.of(clip)
-    errors = [
-        matched_errors(local_positions(recording.links[start + settling : stop, world]), reference)
-        for world, start, stop in recording.segments()
-        if stop - start - settling >= _SHORTEST
-    ]
+    errors = []
+    for world, start, stop in recording.segments():
+        rows = slice(start + settling, stop)
+        if stop - rows.start >= _SHORTEST:
+            local = local_positions(recording.links[rows, world], recording.floor[rows, world])
+            errors.append(matched_errors(local, reference))
     if not errors:
         return ImitationError(None, None, 0)
     values = np.concatenate(errors).astype(np.float64)

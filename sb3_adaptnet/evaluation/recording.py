@@ -17,15 +17,17 @@ WORLDS = 20
 STRAIGHT_SECONDS = 10.0
 """Simulated seconds of each world that walks straight ahead."""
 
-Steps = Callable[[range], Iterable[int]]
+Steps = Callable[[Iterable[int]], Iterable[int]]
 """Wraps the numbers of the steps, for a progress bar; `iter` shows none."""
 
 
 class Acting(Protocol):
-    """What evaluation needs of a policy."""
+    """What evaluation needs of a policy: SB3's `predict`."""
 
-    def predict(self, observation: Any, deterministic: bool = False) -> tuple[NDArray[np.float32], Any]:
-        """Actions (N, J) for observations of N worlds."""
+    def predict(
+        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = False
+    ) -> tuple[NDArray[Any], Any]:
+        """Actions (N, J) for observations of N worlds, and a state that is not used."""
 
 
 class Segment(NamedTuple):
@@ -45,6 +47,7 @@ class Recording:
     Attributes:
         qpos: (T + 1, N, nq) configurations, world frame.
         links: (T + 1, N, 15, 13) link states, world frame (see `adapt_envs.kinematics`).
+        floor: (T + 1, N) height [m] of the ground below the roots.
         restarts: (T, N) whether an episode ended in the step.
         rewards: (T, N) goal rewards.
         ends: how many episodes ended for each reason.
@@ -54,6 +57,7 @@ class Recording:
 
     qpos: NDArray[np.float64] = field(repr=False)
     links: NDArray[np.float32] = field(repr=False)
+    floor: NDArray[np.float32] = field(repr=False)
     restarts: NDArray[np.bool_] = field(repr=False)
     rewards: NDArray[np.float64] = field(repr=False)
     ends: Counter[str]
@@ -155,8 +159,9 @@ def _run(
     worlds, count = env.worlds, len(steps)
     qpos = np.empty((count + 1, *worlds.physics.qpos.shape))
     links = np.empty((count + 1, *worlds.history[:, -1].shape), np.float32)
+    floor = np.empty((count + 1, env.num_envs), np.float32)
     restarts, rewards = np.zeros((count, env.num_envs), bool), np.empty((count, env.num_envs))
-    qpos[0], links[0] = worlds.physics.qpos, worlds.history[:, -1]
+    qpos[0], links[0], floor[0] = _state(env)
     ends: Counter[str] = Counter()
     targets = _Targets(np.zeros(env.num_envs, bool))
     for step in progress(steps):
@@ -169,5 +174,11 @@ def _run(
             ids = np.flatnonzero(restarts[step])
             ends.update(infos["final_info"]["end"][ids])
             on_restart(ids)
-        qpos[step + 1], links[step + 1] = worlds.physics.qpos, worlds.history[:, -1]
-    return Recording(qpos, links, restarts, rewards, ends, targets.count, targets.reached)
+        qpos[step + 1], links[step + 1], floor[step + 1] = _state(env)
+    return Recording(qpos, links, floor, restarts, rewards, ends, targets.count, targets.reached)
+
+
+def _state(env: AdaptVectorEnv) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.float32]]:
+    """Views of the present configurations, link states and heights of the ground below the roots."""
+    worlds = env.worlds
+    return worlds.physics.qpos, worlds.history[:, -1], worlds.ground.floor_at(worlds.root_xy)

@@ -25,8 +25,8 @@ h1 { font-size: 1.7rem; margin-bottom: .3rem; } h2 { font-size: 1.2rem; margin-t
 img, video { max-width: 100%; border: 1px solid #dcdcd6; border-radius: 6px; display: block; margin: .6rem 0; }
 table { border-collapse: collapse; margin: 1rem 0; } th, td { padding: .35rem 1rem; text-align: right; }
 th:first-child, td:first-child { text-align: left; } tr { border-bottom: 1px solid #dcdcd6; }
-thead { border-bottom: 2px solid #8a93a0; } code, pre { background: #efefea; border-radius: 4px; padding: .1rem .35rem; }
-pre { padding: .8rem 1rem; overflow-x: auto; } p { max-width: 48rem; }
+thead { border-bottom: 2px solid #8a93a0; }
+pre { background: #efefea; border-radius: 4px; padding: .8rem 1rem; overflow-x: auto; } p { max-width: 48rem; }
 """
 
 

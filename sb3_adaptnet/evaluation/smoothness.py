@@ -1,9 +1,9 @@
 """Sliding feet and jerk of rollouts, measured as for clips."""
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs import AdaptVectorEnv
 from adapt_envs.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from adapt_envs.motion.clip import FPS, MotionClip
@@ -39,11 +39,12 @@ def jerk_ratio(recording: Recording, clip: MotionClip) -> float | None:
     return total / frames / clip_jerk(clip) if frames else None
 
 
-def slips(recording: Recording, model: mujoco.MjModel) -> NDArray[np.float64]:
-    """Sliding speeds [cm/s] of the feet's lowest corners while near flat ground, over all worlds and frames."""
-    parts = [
-        slip_speeds(foot_corners(model, recording.qpos[start:stop, world]))
-        for world, start, stop in recording.segments()
-        if stop - start > 1
-    ]
+def slips(recording: Recording, env: AdaptVectorEnv) -> NDArray[np.float64]:
+    """Sliding speeds [cm/s] of the feet's lowest corners while near the ground, over all worlds and frames of `env`."""
+    parts = []
+    for world, start, stop in recording.segments():
+        if stop - start > 1:
+            corners = foot_corners(env.worlds.model, recording.qpos[start:stop, world])
+            corners[..., 2] -= env.worlds.ground.floor_at(corners[..., :2])
+            parts.append(slip_speeds(corners))
     return np.concatenate(parts) if parts else np.zeros(0)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import gymnasium as gym
 
-from sb3_adaptnet.zoo import bench_env
 from adapt_envs.commands import doctor, motions
-from sb3_adaptnet.zoo import bench, export, train
+from sb3_adaptnet.zoo import adapt, bench_env, bench_train, demo, export, play, train
+from sb3_adaptnet.zoo import eval as evaluation
 
 BAD_INPUT = 2  # exit code
 
@@ -18,7 +18,11 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="adaptnet", description="AdaptNet for Gymnasium and Stable-Baselines3.")
     parser.add_argument("--traceback", action="store_true", help="show where an error came from")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    demo.add_parser(subparsers)
     train.add_parser(subparsers)
+    adapt.add_parser(subparsers)
+    evaluation.add_parser(subparsers)
+    play.add_parser(subparsers)
     export.add_parser(subparsers)
     motions.add_parser(subparsers)
     doctor.add_parser(subparsers)

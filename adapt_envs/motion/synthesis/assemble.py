@@ -58,7 +58,7 @@ def body_motion(gait: Gait, steps: Steps, course: Course, t: Array) -> Array:
 
 
 def within_limits(model: mujoco.MjModel, qpos: Array, margin: float = 0.09) -> Array:
-    """Configurations whose joints bend smoothly to their limits over the last `margin` [rad] instead of passing them."""
+    """Configurations whose joints bend to their limits over the last `margin` [rad] instead of passing them."""
     low, high = model.jnt_range[1:, 0], model.jnt_range[1:, 1] - 1e-3
     joints, edge = qpos[:, 7:], margin * (np.ptp(model.jnt_range[1:], axis=1) < 2.0)
     joints = np.where(joints > high - edge, high - edge + _saturate(joints - high + edge, edge), joints)

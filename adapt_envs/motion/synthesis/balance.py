@@ -12,7 +12,7 @@ from scipy.linalg import solve_banded
 from scipy.ndimage import gaussian_filter1d
 
 from adapt_envs.motion.dynamics import GRAVITY
-from adapt_envs.motion.synthesis.feet import HEEL, SOLE, Steps, hermite
+from adapt_envs.motion.synthesis.feet import SOLE, Steps, hermite
 from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.legs import REACH
 
@@ -35,7 +35,7 @@ def zmp_plan(gait: Gait, steps: Steps, t: Array) -> Array:
             points += [middle, middle]
     order = np.argsort(times, kind="stable")
     knots, values = np.array(times)[order], np.array(points)[order]
-    plan = np.column_stack([np.interp(t, knots, values[:, i]) for i in range(2)])
+    plan = np.column_stack([np.interp(t, knots, column) for column in values.T])
     return gaussian_filter1d(plan, 0.022 / (t[1] - t[0]), axis=0, mode="nearest")
 
 
@@ -77,7 +77,7 @@ _STANDING = 0.874
 
 
 def strike_height(length: Array) -> Array:
-    """Height of the pelvis (n,) [m] at which a leg reaches a heel strike half a step length ahead, knee at 10 degrees."""
+    """Height of the pelvis (n,) [m] at which a leg reaches a heel strike after a step of `length` (n,) [m]."""
     return np.minimum(SOLE + 0.01 + np.sqrt((0.9985 * REACH) ** 2 - (0.5 * length + _LEAD) ** 2), _STANDING)
 
 

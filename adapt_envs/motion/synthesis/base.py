@@ -4,7 +4,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from adapt_envs.motion.clip import FPS, MotionClip
-from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, both_feet, body_motion, gait_phase, to_clip
+from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, body_motion, both_feet, gait_phase, to_clip
 from adapt_envs.motion.synthesis.body import Course
 from adapt_envs.motion.synthesis.footsteps import path_steps
 from adapt_envs.motion.synthesis.gait import Gait
@@ -27,7 +27,7 @@ def along_path(gait: Gait, commands: list[Command], seconds: float, seed: int, s
         sideways: largest sideways acceleration [m/s^2].
     """
     walking = gait.double > 0
-    path = follow(commands, DT, sideways, ease=0.2 if walking else 0.42)
+    path = follow(commands, DT, sideways, ease=0.2 if walking else 0.46)
     steps = path_steps(gait, path, seed, walking)
     t = path.t[path.t < min(steps.on[-2], seconds + 2 * _MARGIN + 0.1)]
     course = _course(gait, path, t, both_feet(gait, steps, t), gait_phase(steps, t), walking)
@@ -55,5 +55,5 @@ def _course(gait: Gait, path: Path, t: np.ndarray, feet: tuple, phase: np.ndarra
 def base_clip(gait: Gait) -> MotionClip:
     """The base motion of a row without a period: walking or running along its own random path."""
     if gait.kind == "run":
-        return along_path(gait, running_commands(RUN_SECONDS + 6, seed=11), RUN_SECONDS, seed=12, sideways=3.0)
+        return along_path(gait, running_commands(RUN_SECONDS + 6, seed=11), RUN_SECONDS, seed=12, sideways=2.9)
     return along_path(gait, walking_commands(WALK_SECONDS + 6, seed=3), WALK_SECONDS, seed=5, sideways=2.4)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from adapt_envs.motion.clip import FPS, MotionClip
-from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, both_feet, body_motion, gait_phase, to_clip
+from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, body_motion, both_feet, gait_phase, to_clip
 from adapt_envs.motion.synthesis.body import Course
 from adapt_envs.motion.synthesis.footsteps import cyclic_steps, skipping_steps
 from adapt_envs.motion.synthesis.gait import Gait
@@ -20,7 +20,7 @@ def cyclic_clip(gait: Gait) -> MotionClip:
     around = math.ceil(_MARGIN / period)
     steps = (skipping_steps if gait.hop else cyclic_steps)(gait, 2 * around + 1)
     n = gait.frames * OVERSAMPLING
-    t = np.arange((2 * around + 1) * n + 1) * DT
+    t = np.asarray(np.arange((2 * around + 1) * n + 1) * DT, dtype=np.float64)
     level = np.zeros(len(t))
     course = Course(
         level, level, gait_phase(steps, t), np.ones(len(t)), np.zeros((len(t), 2)), both_feet(gait, steps, t)

@@ -74,7 +74,7 @@ def bump(u: Array, peak: float = 0.5, sharpness: float = 3.0) -> Array:
     return (u / peak) ** rise * ((1 - u) / (1 - peak)) ** fall
 
 
-def _pivot(pitch: Array, edge: float) -> tuple[Array, Array]:
+def _pivot(pitch: Array, edge: Array | float) -> tuple[Array, Array]:
     """Ankle ahead of and above its flat-foot place on the ground when the foot rolls about an edge."""
     ahead = edge - edge * np.cos(pitch) + SOLE * np.sin(pitch)
     return ahead, edge * np.sin(pitch) + SOLE * np.cos(pitch)
@@ -98,7 +98,7 @@ def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> FootPath:
     pos, yaw, pitch, stretch = np.zeros((len(t), 3)), np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     strike, push = np.radians(gait.strike[side]), np.radians(gait.push[side])
     ks = np.flatnonzero(steps.side == side)
-    for order, k in enumerate(ks):
+    for order, k in enumerate(ks.tolist()):
         on, off = steps.on[k], steps.off[k]
         begin, end = steps.single(k)
         rise = begin + gait.rise * (end - begin) if end - begin > 0.05 else on + 0.6 * (off - on)

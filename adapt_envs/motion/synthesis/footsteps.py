@@ -27,7 +27,7 @@ def cyclic_steps(gait: Gait, repeats: int) -> Steps:
     pos = np.column_stack([np.cumsum(length), sign * gait.width / 2])
     yaw = np.radians(gait.toe_out) * sign
     off = _offs(on, np.full(n, gait.double) * lasts)
-    return Steps(side, pos, yaw, on, off, np.pi * np.arange(n))
+    return Steps(side, pos, yaw, on, off, _phases(n))
 
 
 def skipping_steps(gait: Gait, repeats: int) -> Steps:
@@ -35,7 +35,8 @@ def skipping_steps(gait: Gait, repeats: int) -> Steps:
 
     A foot's two places lie where the body is in the middle of its two times on the ground.
     """
-    assert gait.hop is not None
+    if gait.hop is None:
+        raise ValueError(f"gait {gait.name!r} has no hop")
     half = gait.frames / FPS / gait.cycles / 2
     overlap, hop_off, hop_on = gait.double * half, gait.hop[0] * half, gait.hop[1] * half
     halves = np.arange(2 * gait.cycles * repeats + 2)
@@ -48,6 +49,11 @@ def skipping_steps(gait: Gait, repeats: int) -> Steps:
     speed = sum(gait.length) / 2 / half
     pos = np.column_stack([speed * middle, sign * gait.width / 2])
     return Steps(side, pos, np.radians(gait.toe_out) * sign, on, off, np.pi * on / half)
+
+
+def _phases(n: int) -> Array:
+    """Phase at the strikes of alternating feet, the right one's first."""
+    return np.asarray(np.pi * np.arange(n), dtype=np.float64)
 
 
 def _offs(on: Array, overlap: Array) -> Array:
@@ -80,7 +86,7 @@ def path_steps(gait: Gait, path: Path, seed: int, walking: bool) -> Steps:
     for k in range(1, n):
         yaw[k] = yaw[k - 1] + np.clip(yaw[k] - yaw[k - 1], -_SWING_TURN, _SWING_TURN)
         pos[k] = _within_step(pos[k - 1], pos[k], (yaw[k - 1], yaw[k]), sign[k], walking)
-    return Steps(side, pos, yaw, on, off, np.pi * np.arange(n))
+    return Steps(side, pos, yaw, on, off, _phases(n))
 
 
 def _within_step(before: Array, pos: Array, yaws: tuple[float, float], sign: float, walking: bool) -> Array:

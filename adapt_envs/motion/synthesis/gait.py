@@ -87,7 +87,9 @@ class Gait:
         roll: where the zero-moment point enters and leaves the foot, ahead of the ankle [m].
         inset: how far inside of the ankle it runs [m].
         crouch: pelvis lowered by this [m] below the height that keeps the legs nearly straight.
-        bob: largest vertical travel of the centre of mass [m] (less if its force would pass `surge`); `bob_shift` moves it later, as a fraction of the step.
+        bob: largest vertical travel of the centre of mass [m] (less if its force would pass `surge`); of a skip, how
+            much it dips between landing and take-off.
+        bob_shift: how much later than mid-step the bob is, as a fraction of the step.
         surge: largest swing of the vertical force that the bob makes, over the weight.
         pelvis_yaw, pelvis_list, pelvis_tilt: pelvis relative to the heading: right side forward, left side up, forward.
         torso_yaw, torso_roll, torso_pitch: trunk relative to the heading: left, right side down, forward.

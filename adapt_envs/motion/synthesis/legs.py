@@ -51,7 +51,8 @@ def leg_angles(pelvis: Array, hip: Array, ankle: Array, foot: Array, knee_yaw: A
 
     Args:
         pelvis: (T, 3, 3) orientation of the pelvis.
-        hip, ankle: (T, 3) positions of the two joints, world [m].
+        hip: (T, 3) position of the hip, world [m].
+        ankle: (T, 3) position of the ankle, world [m].
         foot: (T, 3, 3) orientation of the foot.
         knee_yaw: (T,) direction on the ground to which the knee points [rad].
 

@@ -37,6 +37,7 @@ class Path:
         speed: (T,) [m/s].
         rate: (T,) turning rate [rad/s].
         carry: (T, 2) where the ground must carry the body: pos - acceleration z / g [m].
+        acc: (T, 2) its acceleration [m/s^2].
     """
 
     t: Array
@@ -50,7 +51,7 @@ class Path:
     def at(self, values: Array, time: float | Array) -> Array:
         """Values along the path (T,) or (T, 2) at a time."""
         if values.ndim == 1:
-            return np.interp(time, self.t, values)
+            return np.asarray(np.interp(time, self.t, values))
         return np.stack([np.interp(time, self.t, column) for column in values.T], axis=-1)
 
 
@@ -73,7 +74,7 @@ def follow(commands: list[Command], dt: float, sideways: float, ease: float, hei
     velocity = speed[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
     pos = np.cumsum(velocity, axis=0) * dt
     acc = np.gradient(velocity, dt, axis=0)
-    t = np.arange(len(speed)) * dt
+    t = np.asarray(np.arange(len(speed)) * dt, dtype=np.float64)
     return Path(t, pos, heading, speed, rate, pos - acc * height / 9.81, acc)
 
 
@@ -128,7 +129,8 @@ def _slow(rng: np.random.Generator) -> list[Command]:
 
 
 def _straight(rng: np.random.Generator) -> list[Command]:
-    return [Command(rng.uniform(2.0, 3.0), rng.uniform(1.2, 1.6), _angle(rng, 0, 20)), Command(2.5, rng.uniform(1.0, 1.6))]
+    fast = Command(rng.uniform(2.0, 3.0), rng.uniform(1.2, 1.6), _angle(rng, 0, 20))
+    return [fast, Command(2.5, rng.uniform(1.0, 1.6))]
 
 
 def running_commands(seconds: float, seed: int) -> list[Command]:
@@ -144,7 +146,7 @@ def running_commands(seconds: float, seed: int) -> list[Command]:
 
 def _run_goals(rng: np.random.Generator) -> list[Command]:
     return [
-        Command(rng.uniform(2.0, 3.2), rng.uniform(1.0, 3.1), _angle(rng, 5, 180), np.radians(rng.uniform(95, 145)))
+        Command(rng.uniform(2.0, 3.2), rng.uniform(1.1, 3.5), _angle(rng, 5, 180), np.radians(rng.uniform(95, 145)))
         for _ in range(3)
     ]
 
@@ -158,4 +160,5 @@ def _run_arcs(rng: np.random.Generator) -> list[Command]:
 
 
 def _run_straight(rng: np.random.Generator) -> list[Command]:
-    return [Command(rng.uniform(2.0, 3.0), rng.uniform(2.5, 3.5), _angle(rng, 0, 15)), Command(2.0, rng.uniform(1, 2))]
+    fast = Command(rng.uniform(3.0, 4.0), rng.uniform(2.8, 3.6), _angle(rng, 0, 15))
+    return [fast, Command(2.0, rng.uniform(1, 2))]

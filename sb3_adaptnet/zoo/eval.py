@@ -1,0 +1,85 @@
+"""``adaptnet eval``: measure a policy's mean action, and draw it."""
+
+import argparse
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from adapt_envs.motion.sheet import video_frames, write_sheet
+from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
+from sb3_adaptnet.evaluation.pictures import write_frames
+from sb3_adaptnet.evaluation.report import text_table
+from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.zoo.acting import Actor, Bar, add_options, open_actor
+
+VIDEO_SECONDS = 12.0
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the subcommand ``eval``."""
+    parser: argparse.ArgumentParser = subparsers.add_parser(
+        "eval", help="measure a policy: goal reward, falls, imitation error, sliding, jerk"
+    )
+    add_options(parser)
+    parser.add_argument("--seconds", type=seconds_of, default=DEFAULT_SECONDS, help="simulated seconds (default 1200)")
+    parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a contact sheet of it going straight on")
+    parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="film it going to targets")
+    parser.set_defaults(run=run)
+
+
+def seconds_of(text: str) -> float:
+    """Parse a positive number of seconds."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not (value > 0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
+    return value
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, draw."""
+    check_outputs(options)
+    actor = open_actor(options)
+    found = evaluate(actor.policy, actor.env, options.seconds, options.seed, Bar("walking"))
+    if options.json:
+        print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
+    else:
+        print(text_table({actor.name: found.figures}))
+    for path in draw(actor, found, options.sheet, options.video):
+        if not options.json:
+            print(f"wrote {path}")
+    return 0
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Refuse pictures that cannot be written, before the measuring.
+
+    Raises:
+        ValueError: for an extension that is no picture's or video's, or a folder that does not exist.
+    """
+    for path, suffixes in ((options.sheet, (".png",)), (options.video, (".mp4", ".gif"))):
+        if path is None:
+            continue
+        if path.suffix.lower() not in suffixes:
+            raise ValueError(f"{path}: the extension must be {' or '.join(suffixes)}")
+        if not path.absolute().parent.is_dir():
+            raise ValueError(f"{path}: the folder {path.parent} does not exist")
+
+
+def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None) -> list[Path]:
+    """Draw the contact sheet and the video that were asked for; return them.
+
+    The video shows the longest stretch without a fall, up to 12 s.
+    """
+    reference, name = actor.env.worlds.reference.clips[0], Path(actor.name).stem
+    if sheet is not None:
+        write_sheet(typical_clip(found.straight, reference, name), sheet)
+    if video is not None:
+        clip = clip_of(found.free, longest(found.free, VIDEO_SECONDS), reference.joint_names, name)
+        write_frames(video_frames(clip), video)
+    return [path for path in (sheet, video) if path is not None]

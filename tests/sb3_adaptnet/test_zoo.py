@@ -1,0 +1,258 @@
+"""Experiments of the zoo: YAML entries, run folders, resuming, kills, export, rl_zoo3."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import torch
+import yaml
+
+from adapt_envs import SUITE, env_id
+from sb3_adaptnet import hyperparameters, load_policy
+from sb3_adaptnet.hyperparameters import experiment
+from sb3_adaptnet.resources import zoo_config_path
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.zoo.command import main
+from sb3_adaptnet.zoo.export import export
+from sb3_adaptnet.zoo.random_state import random_states, restore_random_states
+from sb3_adaptnet.zoo.run_folder import RunFolder, RunSettings
+from sb3_adaptnet.zoo.saver import restore, snapshot
+from sb3_adaptnet.zoo.training import build_learner, start
+
+ROOT = Path(__file__).resolve().parents[2]
+TOY = "toy_env:Toy-v0"
+ENTRY = {
+    "n_envs": 8,
+    "n_timesteps": 640,
+    "policy": "sb3_adaptnet.policy.PretrainPolicy",
+    "n_steps": 8,
+    "batch_size": 32,
+    "n_epochs": 1,
+    "learning_rate": 3.0e-4,
+    "normalize_advantage": False,
+    "policy_kwargs": {"gru_size": 8, "hidden_sizes": [16, 8], "critic_lr": 6.0e-4},
+    "callback": [
+        {
+            "sb3_adaptnet.callback.DiscriminatorRewardCallback": {
+                "objective_weights": {"imitation": 0.4, "goal": 0.6},
+                "discriminator": {"batch_size": 32, "network": {"gru": 8, "hidden": [8], "heads": 4}},
+            }
+        }
+    ],
+}
+
+
+def conf(folder, **changes):
+    file = Path(folder) / "toy.yml"
+    file.write_text(yaml.safe_dump({TOY: {**ENTRY, **changes}, "Toy-v0": {**ENTRY, **changes}}))
+    return str(file)
+
+
+def settings(folder, **changes):
+    return RunSettings(TOY, **{"samples": 640, "seed": 1, "conf_file": conf(folder), "threads": 1, **changes})
+
+
+# ---- YAML -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("file", ["ppo", "paper"])
+@pytest.mark.parametrize("name", SUITE)
+def test_every_environment_has_an_entry(file, name):
+    entry = experiment(env_id(name), conf_file=file)
+    assert entry.n_envs == 512 and entry.samples >= 1_000_000
+    assert entry.ppo["gamma"] == entry.ppo["gae_lambda"] == 0.95 and entry.ppo["clip_range"] == 0.2
+    (_, callback), *_ = entry.callbacks
+    assert sum(callback["objective_weights"].values()) == pytest.approx(1.0)
+
+
+def test_entries_for_ids_are_explicit_in_ppo_yml():
+    """rl_zoo3 reads the same file and has no other fallback that would be ours."""
+    entries = yaml.safe_load(zoo_config_path("ppo").read_text())
+    assert {env_id(name) for name in SUITE} <= set(entries)
+
+
+def test_the_papers_table():
+    settings = hyperparameters("AdaptNet/Humanoid-Stoop-v0", conf_file="paper")
+    policy = settings["policy_kwargs"]
+    assert (policy["actor_lr"], policy["critic_lr"]) == (5e-6, 1e-4) and (policy["beta"], policy["kappa"]) == (0.01, 0.01)
+    assert settings["n_steps"] * 512 == 4096 and settings["batch_size"] == 256 and settings["n_epochs"] == 5
+
+
+def test_hyperparameters_are_a_fresh_dict_with_the_base():
+    first = hyperparameters("AdaptNet/Humanoid-Stoop-v0", base="run")
+    assert first["policy_kwargs"]["base"] == "run"
+    first["n_steps"] = 1
+    assert hyperparameters("AdaptNet/Humanoid-Stoop-v0")["n_steps"] == 16
+
+
+@pytest.mark.parametrize("changes, message", [
+    ({"lerning_rate": 1e-4}, "'lerning_rate'.*learning_rate"),
+    ({"policy_kwargs": {"hiden": 3}}, "policy_kwargs.*'hiden'.*hidden_sizes"),
+    ({"callback": [{"sb3_adaptnet.callback.DiscriminatorRewardCallback": {"kl": 1}}]}, "'kl'.*kl_range"),
+    ({"policy": "sb3_adaptnet.policy.NoSuchPolicy"}, "NoSuchPolicy"),
+    ({"learning_rate": "5e-6"}, "learning_rate.*5e-06|learning_rate.*text"),
+])  # fmt: skip
+def test_unknown_keys_are_refused(tmp_path, changes, message):
+    with pytest.raises(ValueError, match=message):
+        experiment(TOY, conf_file=conf(tmp_path, **changes))
+
+
+def test_bad_files_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="no entry for 'Other-v0'.*Toy-v0"):
+        experiment("Other-v0", conf_file=conf(tmp_path))
+    broken = tmp_path / "broken.yml"
+    broken.write_text("a: [1")
+    with pytest.raises(ValueError, match="broken.yml is not a YAML file"):
+        experiment(TOY, conf_file=broken)
+    with pytest.raises(ValueError, match="nosuch"):
+        experiment(TOY, conf_file="nosuch")
+
+
+# ---- runs -----------------------------------------------------------------------------------------------------------
+
+
+def equal(a, b):
+    if isinstance(a, torch.Tensor):
+        return torch.equal(a, b)
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(equal(a[key], b[key]) for key in a)
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(map(equal, a, b))
+    return a == b
+
+
+def test_a_checkpoint_restores_everything_exactly(tmp_path):
+    folder = start(settings(tmp_path), tmp_path / "run", quiet=True)
+    state = folder.load()
+    learner = build_learner(folder.settings, samples_done=640)
+    learner.discriminators.init_callback(learner.model)
+    restore(learner.model, learner.discriminators, state)
+    again = snapshot(learner.model, learner.discriminators, state["seconds"])
+    assert again.keys() == state.keys()
+    for key in state:
+        assert equal(again[key], state[key]), key
+    assert state["samples"] == 640 and state["optimizer"]["state"]  # something was there to restore
+
+
+def test_a_stopped_run_goes_on(tmp_path):
+    folder = start(settings(tmp_path, samples=320), tmp_path / "run", quiet=True)
+    rows = list(csv.DictReader(folder.progress.open()))
+    assert [int(row["samples"]) for row in rows] == [64 * n for n in range(1, 6)]
+    assert main(["train", "--resume", str(folder.path), "--samples", "640", "--quiet"]) == 0
+    rows = list(csv.DictReader(folder.progress.open()))
+    assert [int(row["samples"]) for row in rows] == [64 * n for n in range(1, 11)]
+    seconds = [float(row["seconds"]) for row in rows]
+    assert seconds == sorted(seconds) and RunFolder.open(folder.path).settings.samples == 640
+    assert folder.curve.read_bytes().startswith(b"\x89PNG")
+    assert list(folder.path.glob("events.out.tfevents*"))
+
+
+def run_command(arguments, **kwargs):
+    env = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
+    command = [sys.executable, "-m", *arguments]
+    return subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **kwargs)
+
+
+def train_command(tmp_path, *more):
+    words = ["sb3_adaptnet.zoo.command", "train", TOY, "--conf-file", conf(tmp_path), "--run-dir", str(tmp_path / "run")]
+    return run_command([*words, "--samples", "1e9", "--minutes", "0.002", "--threads", "1", *more])
+
+
+def wait_for(condition, process, seconds=120):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert process.poll() is None and time.monotonic() < end, process.stdout.read() if process.poll() else "too slow"
+        time.sleep(0.02)
+
+
+def test_goes_on_after_kill_9_and_saves_at_ctrl_c(tmp_path):
+    folder = RunFolder(tmp_path / "run", settings(tmp_path))
+    process = train_command(tmp_path)
+    wait_for(folder.checkpoint.exists, process)
+    time.sleep(0.3)
+    process.kill()
+    process.wait()
+    saved = folder.load()["samples"]
+    assert saved > 0 and saved % 64 == 0
+    process = run_command(["sb3_adaptnet.zoo.command", "train", "--resume", str(folder.path), "--minutes", "99"])
+    wait_for(lambda: csv_samples(folder) > saved, process)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=60)[0]
+    assert process.returncode == 130 and "--resume" in said
+    assert folder.load()["samples"] > saved
+    assert not list(folder.path.glob("*.tmp"))
+
+
+def csv_samples(folder):
+    rows = list(csv.DictReader(folder.progress.open())) if folder.progress.exists() else []
+    return max((int(float(row["samples"])) for row in rows if row["samples"]), default=0)
+
+
+def test_random_states_restore(tmp_path):
+    torch.save(random_states(), tmp_path / "states")
+    first = torch.rand(3)
+    restore_random_states(torch.load(tmp_path / "states", weights_only=True))
+    assert torch.equal(first, torch.rand(3))
+
+
+def test_export_writes_a_base_that_acts(tmp_path):
+    folder = start(settings(tmp_path), tmp_path / "run", quiet=True)
+    file = export(folder.path, tmp_path / "mine.safetensors")
+    card = json.loads(file.with_suffix(".json").read_text())
+    assert card["training"]["samples"] == 640 and card["environment"] == TOY and "goal_reward" in card["metrics"]
+    env = AdaptVecEnv(TOY, num_envs=2)
+    trained = build_learner(folder.settings).model.policy
+    trained.load_state_dict(folder.load()["policy"])
+    trained.set_training_mode(False)
+    observations = env.reset()
+    ours, _ = load_policy(file, env).predict(observations, deterministic=True)
+    theirs, _ = trained.predict(observations, deterministic=True)
+    assert (ours == theirs).all()
+
+
+@pytest.mark.parametrize("words, message", [
+    (["train"], "name an environment"),
+    (["train", "AdaptNet/Humanoid-Stop-v0"], "no entry for 'AdaptNet/Humanoid-Stop-v0'"),
+    (["train", "AdaptNet/Humanoid-Walk-v0", "--conf-file", "no/such.yml"], "no/such.yml"),
+    (["train", "--resume", "no_such_run"], "no_such_run"),
+    (["export", "no_such_run", "-o", "x"], "no_such_run"),
+    (["export", "no_such_run", "-o", "no/such/folder/x"], "folder"),
+])  # fmt: skip
+def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert message in said and said.count("\n") == 1 and "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_resumed_run_refuses_changes_and_damage(tmp_path, capsys):
+    folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
+    assert main(["train", "--resume", str(folder.path), "--seed", "3"]) == 2
+    assert main(["train", "Other-v0", "--resume", str(folder.path)]) == 2
+    assert main(["train", TOY, "--conf-file", conf(tmp_path), "--run-dir", str(folder.path)]) == 2
+    folder.checkpoint.write_bytes(folder.checkpoint.read_bytes()[:500])
+    assert main(["train", "--resume", str(folder.path)]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert ["--seed" in said[0], "Other-v0" in said[1], "holds a run" in said[2], "cut short" in said[3]] == [True] * 4
+
+
+# ---- rl_zoo3 --------------------------------------------------------------------------------------------------------
+
+
+def test_rl_zoo3_trains_natively_and_enjoys(tmp_path):
+    common = ["--algo", "ppo", "--env", "Toy-v0", "--gym-packages", "toy_env", "sb3_adaptnet.zoo", "-f", str(tmp_path)]
+    train = run_command(["rl_zoo3.train", *common, "--conf-file", conf(tmp_path), "--eval-freq", "-1", "--seed", "0"])
+    said = train.communicate(timeout=300)[0]
+    assert train.returncode == 0, said
+    assert "imitation_reward" in said and "Using 8 environments" in said
+    assert (tmp_path / "ppo" / "Toy-v0_1" / "Toy-v0.zip").is_file()
+    enjoy = run_command(["rl_zoo3.enjoy", *common, "--no-render", "-n", "50", "--num-threads", "1"])
+    said = enjoy.communicate(timeout=300)[0]
+    assert enjoy.returncode == 0 and "Episode Reward" in said, said
