@@ -88,7 +88,7 @@ class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
         """
         self.worlds = Worlds(configured(task, overrides), num_worlds=1, num_threads=1)
         self.render_mode = check_render_mode(render_mode, self.metadata["render_modes"])
-        self.observation_space, self.action_space = spaces_of(self.worlds)
+        self.observation_space, self.action_space = spaces_of(self.worlds)  # type: ignore[assignment]
         self.diverged_worlds = 0
         self._renderer: SceneRenderer | None = None
         self._window: Window | None = None

@@ -1,5 +1,7 @@
 """From the table of environments to Gymnasium's registry."""
 
+from typing import Any
+
 import gymnasium as gym
 
 from adapt_envs.suite import EPISODE_STEPS, SUITE, TaskSpec
@@ -51,7 +53,7 @@ def _register(name: str, task: str | TaskSpec) -> None:
     )
 
 
-def make_vector(environment: str, num_envs: int, **kwargs: object) -> AdaptVectorEnv:
+def make_vector(environment: str, num_envs: int, **kwargs: Any) -> AdaptVectorEnv:
     """`num_envs` worlds of the id `environment` on the native batch; keyword arguments as `AdaptVectorEnv`'s.
 
     Raises:

@@ -17,7 +17,7 @@ Array = NDArray[np.floating]
 
 
 def moved(
-    qpos: Array, qvel: Array, history: Array, xy: Array, heading: Array
+    qpos: NDArray[np.float64], qvel: NDArray[np.float64], history: NDArray[np.float32], xy: Array, heading: Array
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
     """Start states moved to other places, their roots turned to other headings.
 

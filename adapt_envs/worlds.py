@@ -16,7 +16,7 @@ from adapt_envs.model.humanoid import LINKS
 from adapt_envs.model.morphology import MORPHOLOGIES
 from adapt_envs.model.obstacles import OBSTACLES
 from adapt_envs.model.terrain import TERRAINS
-from adapt_envs.motion.library import ReferenceMotion, load_clip
+from adapt_envs.motion.library import load_clip, reference_motion
 from adapt_envs.observation import Observations, empty_like, put_rows, rows_of
 from adapt_envs.physics import PhysicsBatch
 from adapt_envs.spawn import moved, standing_lift
@@ -45,14 +45,14 @@ class Worlds:
 
     def __init__(self, spec: TaskSpec, num_worlds: int, num_threads: int = 0) -> None:
         """Build the model, load the motion and make `num_worlds` worlds; `reset` comes first."""
-        clip = load_clip(spec.motion)
-        speeds = preferred_speeds(spec, clip)
+        speeds = preferred_speeds(spec, load_clip(spec.motion))
         self.spec = replace(spec, speed_range=speeds)
+        self._shape = entry("morphology", MORPHOLOGIES, spec.morphology)
         self.ground = make_ground(
             entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed
         )
         self.model = self.compiled(self.ground)
-        self.reference = ReferenceMotion([clip], self.model)
+        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked))
         self.physics = PhysicsBatch(self.model, num_worlds, num_threads)
         self.goals = Goals(num_worlds, self.ground, speeds, spec.timer_range)
         self.pushes = None if spec.push is None else Pushes(spec.push, num_worlds)
@@ -65,8 +65,7 @@ class Worlds:
 
     def compiled(self, ground: Ground) -> mujoco.MjModel:
         """The task's character on some ground: on its own for physics, on a piece of it for pictures."""
-        character = build_character(entry("morphology", MORPHOLOGIES, self.spec.morphology), self.spec.locked)
-        return compile_model(character, self.spec.friction, ground)
+        return compile_model(build_character(self._shape, self.spec.locked), self.spec.friction, ground)
 
     @property
     def root_xy(self) -> NDArray[np.float32]:

@@ -58,6 +58,10 @@ class Morphology:
     length: Mapping[str, float] = field(default_factory=dict)
     size: Mapping[str, float] = field(default_factory=dict)
 
+    def __hash__(self) -> int:
+        """Equal shapes hash alike, although their factors come in dictionaries."""
+        return hash((frozenset(self.length.items()), frozenset(self.size.items())))
+
     def __post_init__(self) -> None:
         """Check names and factors.
 

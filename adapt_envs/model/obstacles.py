@@ -115,7 +115,7 @@ class Obstacles:
     def clear(self, xy: NDArray[np.floating], margin: float) -> NDArray[np.bool_]:
         """(...) whether points (..., 2) [m] lie farther than `margin` [m] from every block's sides."""
         x, y = xy[..., 0, None], xy[..., 1, None]
-        return ~_inside(x, y, self._table, margin).any(axis=-1)
+        return np.logical_not(np.any(_inside(x, y, self._table, margin), axis=-1))
 
     def add_to(self, spec: mujoco.MjSpec, friction: float) -> None:
         """Add the blocks to a model's world."""

@@ -28,7 +28,7 @@ class Patches:
     @property
     def centres_1d(self) -> NDArray[np.float64]:
         """(per_side,) middles of the patches along x, and along y [m]."""
-        return (np.arange(self.per_side) - (self.per_side - 1) / 2) * PITCH
+        return np.asarray((np.arange(self.per_side) - (self.per_side - 1) / 2) * PITCH, np.float64)
 
     @property
     def half(self) -> float:

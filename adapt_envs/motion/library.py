@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from adapt_envs.features import WINDOW_FRAMES, heading_frame_features, pose_windows
 from adapt_envs.kinematics import Kinematics
-from adapt_envs.model.build import compile_model
+from adapt_envs.model.build import build_character, compile_model
 from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.model.morphology import Morphology
 from adapt_envs.motion.clip import MotionClip, MotionError, velocities
 from adapt_envs.resources import asset_path
 
@@ -148,6 +149,17 @@ class ReferenceMotion:
     def _as_actions(self, angles: NDArray[np.float64]) -> NDArray[np.float64]:
         low, high = self.model.jnt_range[1:].T
         return (angles - (low + high) / 2) / (high - low)
+
+
+@lru_cache(maxsize=16)
+def reference_motion(
+    name_or_file: str, morphology: Morphology | None = None, locked: tuple[str, ...] = ()
+) -> ReferenceMotion:
+    """The reference motion of a clip (see `load_clip`) for the character with another shape or without some joints.
+
+    Many environments share one; it never changes.
+    """
+    return ReferenceMotion([load_clip(name_or_file)], compile_model(build_character(morphology, locked)))
 
 
 @lru_cache(maxsize=1)

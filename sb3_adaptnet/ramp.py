@@ -1,0 +1,39 @@
+"""Environment attributes that change while training goes on: pushes that grow, and the like."""
+
+from stable_baselines3.common.callbacks import BaseCallback
+
+
+class AttributeRamp(BaseCallback):
+    """Moves an attribute of the environment linearly from ``first`` to ``last`` over a number of samples.
+
+    The value depends on the model's samples alone, so a resumed run goes on where it was.
+    """
+
+    def __init__(self, attribute: str, first: float, last: float, samples: int) -> None:
+        """Choose the ramp.
+
+        Args:
+            attribute: Name of a number that the environment lets one set, such as "push_scale".
+            first: Value at the start.
+            last: Value from ``samples`` samples on.
+            samples: Length of the ramp, in control steps over all worlds.
+
+        Raises:
+            ValueError: If ``samples`` is not positive.
+        """
+        super().__init__()
+        if samples <= 0:
+            raise ValueError(f"a ramp takes a positive number of samples, not {samples}")
+        self.attribute, self.first, self.last, self.samples = attribute, first, last, samples
+
+    def value(self, done: int) -> float:
+        """Value after ``done`` samples."""
+        return self.first + (self.last - self.first) * min(done / self.samples, 1.0)
+
+    def _on_step(self) -> bool:
+        return True
+
+    def _on_rollout_start(self) -> None:
+        value = self.value(self.model.num_timesteps)
+        self.training_env.set_attr(self.attribute, value)
+        self.logger.record(f"rollout/{self.attribute}", value)
