@@ -20,6 +20,8 @@ PICTURE_SIZE = (640, 480)
 """Width and height [pixels] of `render()`'s pictures."""
 CAMERA = Camera(azimuth=120, elevation=-16, distance=6.5, fovy=30)
 """The view of `render()`'s pictures."""
+HIGH = Camera(azimuth=120, elevation=-42, distance=8.0, fovy=34)
+"""The same among obstacles: from above, over the blocks."""
 _LOOK_HEIGHT = 0.85
 _GOAL_COLOUR, _PUSH_COLOUR = (0.16, 0.62, 0.35, 0.9), (0.90, 0.12, 0.10, 1.0)
 _RING_SEGMENTS = 24
@@ -106,8 +108,8 @@ class SceneRenderer:
         self._scene: Scene | None = None
         self._middle = np.full(2, np.inf)
 
-    def picture(self, world: int = 0, camera: Camera = CAMERA) -> Image:
-        """The world's present state with its goal, (height, width, 3).
+    def picture(self, world: int = 0, camera: Camera | None = None) -> Image:
+        """The world's present state with its goal, (height, width, 3); the camera suits the ground if None.
 
         Raises:
             RenderingError: if this machine cannot draw.
@@ -115,6 +117,7 @@ class SceneRenderer:
         worlds = self._worlds
         scene = self._scene_around(worlds.root_xy[world])
         data = worlds.physics.mujoco_data(world, scene.data, scene.model)
+        camera = camera or (CAMERA if worlds.ground.obstacles is None else HIGH)
         lookat = _look_at(worlds, world)
         return scene.picture_of(data, camera, lookat, lambda drawn: _decorate(drawn, data, worlds, world))
 

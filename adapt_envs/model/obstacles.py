@@ -31,7 +31,7 @@ class ObstacleField:
     cell: float = 4.0
     lane: float = 1.2
     side: tuple[float, float] = (0.6, 1.6)
-    height: tuple[float, float] = (1.2, 1.8)
+    height: tuple[float, float] = (0.9, 1.4)
     density: float = 0.85
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from adapt_envs import env_id
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import STYLES, load_clip
-from adapt_envs.motion.sheet import write_sheet, write_video
+from adapt_envs.motion.sheet import video_frames, write_sheet, write_video
 from sb3_adaptnet.evaluation.figures import Evaluation, evaluate
 from sb3_adaptnet.evaluation.pictures import side_by_side, write_frames
 from sb3_adaptnet.evaluation.recording import open_worlds
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the demo and say where its page is."""
     options.output.mkdir(parents=True, exist_ok=True)
     if options.base == "walk" and "walk" not in pretrained_names():
-        page = show_motions(options.output, options.style)
+        page = show_motions(options.output, options.style, options.film)
     else:
         trained = adapt(options)
         if trained is None:
@@ -193,7 +193,7 @@ def _sections(
     return [*sections, ("Go on", [listing(again + "adaptnet adapt --motion YOUR.bvh -o yours.safetensors")])]
 
 
-def show_motions(output: Path, style: str) -> Path:
+def show_motions(output: Path, style: str, seconds: float) -> Path:
     """Without a pretrained walk: the motions that would be learned, as pictures; return the page."""
     print("there is no pretrained walk yet (assets/pretrained/walk.safetensors): showing the motions instead;")
     print("train one with: adaptnet train AdaptNet/Humanoid-Walk-v0")
@@ -202,7 +202,8 @@ def show_motions(output: Path, style: str) -> Path:
         clip, file = load_clip(name), f"{name.lower()}.png"
         write_sheet(clip, output / file)
         blocks.append(picture(file, f"contact sheet of {name}"))
-    write_video(load_clip(style), output / "style.mp4")
+    clip = load_clip(style)
+    write_video(clip, output / "style.mp4", Bar("filming")(video_frames(clip, min_seconds=seconds)))
     page = output / PAGE
     words = "No pretrained walk is there yet; these are the reference motions that policies learn from."
     write_page(page, f"The walk and {style}", [("", [paragraph(words), *blocks, video("style.mp4")])])
