@@ -51,6 +51,9 @@ class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
     | 782 | horizontal distance to the target | m |
     | 783 | preferred speed | m/s |
 
+    With a heightmap (terrain, obstacles): `Dict(observation=Box(784,), heightmap=Box(1, 35, 35))`; the map reaches
+    2.4 m ahead, 1 m behind and 1.7 m to either side of the root, relative to the ground below.
+
     Links l: 0 pelvis, 1 torso, 2 head, 3 right_upper_arm, 4 right_lower_arm, 5 right_hand, 6 left_upper_arm,
     7 left_lower_arm, 8 left_hand, 9 right_thigh, 10 right_shin, 11 right_foot, 12 left_thigh, 13 left_shin,
     14 left_foot.
@@ -61,16 +64,17 @@ class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
     arrival: root + preferred speed x timer x direction, uniform in direction.
 
     ## Starting state
-    A random moment of the reference motion, with the frames before it as history.
+    A random moment of the reference motion, with the frames before it as history; on terrain at a random place, lifted
+    to stand on the ground.
 
     ## Episode end
-    `info["end"]` names why: `fall` (any link but the feet touches the ground), `lost` (3 m farther from the target than
-    when it was drawn), `diverged` (the physics broke down; the last finite observation is returned and
+    `info["end"]` names why: `fall` (any link but the feet touches the ground or an obstacle), `lost` (3 m farther from
+    the target than when it was drawn), `diverged` (the physics broke down; the last finite observation is returned and
     `info["diverged_worlds"]` counts), all `terminated`; `time` (300 steps) is `truncated`.
 
     ## Arguments
     See `__init__`; `reset(options={"goal_heading": rad, "goal_speed": m/s, "start": number})` holds the goal ahead in a
-    world direction and names the start state. `set_goal` does so at any time.
+    world direction and names the start state. `set_goal` does so at any time. `push_scale` scales the force of pushes.
 
     ## Version history
     * v0: initial version.

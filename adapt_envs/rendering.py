@@ -20,7 +20,7 @@ PICTURE_SIZE = (640, 480)
 """Width and height [pixels] of `render()`'s pictures."""
 CAMERA = Camera(azimuth=120, elevation=-16, distance=6.5, fovy=30)
 """The view of `render()`'s pictures."""
-HIGH = Camera(azimuth=120, elevation=-42, distance=8.0, fovy=34)
+HIGH = Camera(azimuth=120, elevation=-36, distance=7.0, fovy=34)
 """The same among obstacles: from above, over the blocks."""
 _LOOK_HEIGHT = 0.85
 _GOAL_COLOUR, _PUSH_COLOUR = (0.16, 0.62, 0.35, 0.9), (0.90, 0.12, 0.10, 1.0)

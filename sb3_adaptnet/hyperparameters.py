@@ -13,6 +13,7 @@ from stable_baselines3 import PPO
 from sb3_adaptnet.resources import zoo_config_path
 
 DEFAULT_CONF = "ppo"
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # plain values alone, in C where libyaml is there
 FALLBACK = "default"  # entry for ids that have none of their own, as in rl_zoo3
 RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")  # of the run, not of PPO
 NOT_FROM_YAML = ("self", "env", "policy", "_init_setup_model")
@@ -102,7 +103,7 @@ def conf_path(conf_file: str | Path | None) -> Path:
 
 def _entry(file: Path, env_id: str) -> dict[str, Any]:
     try:
-        entries = yaml.safe_load(file.read_text(encoding="utf-8"))
+        entries = yaml.load(file.read_text(encoding="utf-8"), Loader=LOADER)
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ValueError(f"{file} is not a YAML file: {' '.join(str(error).split())}") from error
     if not isinstance(entries, dict):

@@ -119,9 +119,13 @@ class ToyEnv(gym.Env):
         observation, reward, terminated, truncated, infos = self.worlds.step(action[None])
         self.pose_windows = self.worlds.pose_windows[0]
         if terminated[0] or truncated[0]:
-            return infos["final_obs"][0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), {
-                "end": infos["final_info"]["end"][0]
-            }
+            return (
+                infos["final_obs"][0],
+                float(reward[0]),
+                bool(terminated[0]),
+                bool(truncated[0]),
+                {"end": infos["final_info"]["end"][0]},
+            )
         return row_of(observation, 0), float(reward[0]), bool(terminated[0]), bool(truncated[0]), {}
 
     def sample_reference_windows(self, n, rng):

@@ -16,7 +16,7 @@ def add_parser(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]"
     listing = commands.add_parser("list", help="print every id with a sentence about it")
     listing.set_defaults(run=run_list)
     sheet = commands.add_parser("sheet", help="draw a contact sheet of the environments")
-    sheet.add_argument("--out", default="environments.png", help="PNG file to write")
+    sheet.add_argument("-o", "--output", default="environments.png", help="PNG file to write")
     sheet.add_argument("names", nargs="*", help="names, such as LongShins; all if none is given")
     sheet.set_defaults(run=run_sheet)
 
@@ -35,6 +35,6 @@ def run_sheet(arguments: argparse.Namespace) -> int:
     for name in names:
         find(name)
     progress = tqdm(names, desc="drawing", disable=None)
-    write_gallery(arguments.out, names, (snapshot(name) for name in progress))
-    print(arguments.out)
+    write_gallery(arguments.output, names, (snapshot(name) for name in progress))
+    print(arguments.output)
     return 0

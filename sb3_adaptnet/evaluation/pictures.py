@@ -20,7 +20,8 @@ from sb3_adaptnet.evaluation.imitation_error import local_positions
 
 _PANE = (432, 480)
 _TILE = (230, 320)
-_BAND = 34
+_BAND = 32
+"""Height of a caption [pixels]; a pane with it is a multiple of 16 high, as video codecs like it."""
 _LOOK_HEIGHT = 0.90
 _INK, _PAPER = (32, 38, 48), (250, 250, 248)
 _RIGHT_FOOT, _LEFT_FOOT = LINKS.index("right_foot"), LINKS.index("left_foot")

@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeVar
 
 import torch
@@ -28,11 +29,13 @@ class Actor:
         policy: acts on `env`'s observations.
         env: worlds without a time limit.
         name: what was asked for.
+        style: what its own adaptation is called, if it is one: the name, or the first of the styles of a base.
     """
 
     policy: ObjectivePolicy
     env: AdaptVectorEnv
     name: str
+    style: str
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -62,7 +65,8 @@ def open_actor(options: argparse.Namespace, num_worlds: int = WORLDS) -> Actor:
     overrides = {} if motion is None else {"motion": motion}
     env = open_worlds(env_id, num_worlds, num_threads=options.threads or 0, **overrides)
     policy = open_policy(options.policy, env, options.base, options.alpha, options.styles)
-    return Actor(policy, env, options.policy)
+    first = next(iter(options.styles), options.policy) if read_kind(options.policy) == BASE else options.policy
+    return Actor(policy, env, options.policy, Path(first).stem)
 
 
 def trained_in(policy: str) -> tuple[str, str | None]:

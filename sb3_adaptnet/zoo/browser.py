@@ -126,7 +126,8 @@ def _add_sliders(gui: Any, controls: Controls) -> dict[str, Any]:
     if len(controls.weights) > 1:
         for name, weight in controls.weights.items():
             value = min(max(weight, 0.0), 1.0)
-            made[f"blend {name}"] = gui.add_slider(f"blend {name}", min=0.0, max=1.0, step=0.05, initial_value=value)
+            label = f"blend {controls.labels.get(name, name)}"
+            made[f"blend {name}"] = gui.add_slider(label, min=0.0, max=1.0, step=0.05, initial_value=value)
     for name, handle in made.items():
         register = handle.on_click if name == "restart" else handle.on_update
         register(lambda event, name=name: take(controls, name, getattr(event.target, "value", True)))

@@ -8,7 +8,7 @@ import numpy as np
 
 from adapt_envs import AdaptVectorEnv
 from sb3_adaptnet.objective_policy import ObjectivePolicy
-from sb3_adaptnet.policy import AdaptNetPolicy
+from sb3_adaptnet.policy import TRAINED, AdaptNetPolicy
 
 
 @dataclass
@@ -22,6 +22,7 @@ class Controls:
         alpha: strength of the adaptation; None for a policy that has none.
         weights: weight of each adaptation by name; empty for a policy that has none.
         restart: whether to start anew at the next step.
+        labels: what to call adaptations whose name says nothing.
     """
 
     speed: float = 1.2
@@ -30,14 +31,19 @@ class Controls:
     alpha: float | None = None
     weights: dict[str, float] = field(default_factory=dict)
     restart: bool = False
+    labels: dict[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, policy: ObjectivePolicy, env: AdaptVectorEnv) -> "Controls":
-        """The controls a policy starts with: its own alpha and weights, the middle of the environment's speeds."""
+    def of(cls, policy: ObjectivePolicy, env: AdaptVectorEnv, style: str = TRAINED) -> "Controls":
+        """The controls a policy starts with: its own alpha and weights, the middle of the environment's speeds.
+
+        `style` is what to call the policy's own adaptation.
+        """
         low, high = env.worlds.spec.speed_range or (1.0, 1.5)
         if not isinstance(policy, AdaptNetPolicy):
             return cls(speed=(low + high) / 2)
-        return cls(speed=(low + high) / 2, alpha=policy.alpha, weights=policy.weights)
+        labels = {TRAINED: style}
+        return cls(speed=(low + high) / 2, alpha=policy.alpha, weights=policy.weights, labels=labels)
 
 
 class View(Protocol):

@@ -99,7 +99,7 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     elif path.exists():
         raise ValueError(f"{path} is in the way; choose another folder with -o")
     settings = RunSettings(env_id(options.style), options.samples, base=options.base, n_envs=options.n_envs)
-    print(f"1/3 adapting {options.base} to {options.style}: {options.samples:,} samples or {options.minutes:g} minutes")
+    print(f"1/3 adapting {Path(options.base).stem} to {options.style}: {options.samples:,} samples or {options.minutes:g} minutes")
     learner, limit = build_learner(settings), TimeLimit(options.minutes)
     learner.others.append(limit)
     folder = learn(learner, RunFolder.new(settings, path))
@@ -180,7 +180,7 @@ def _sections(
 ) -> list[tuple[str, list[str]]]:
     style = options.style
     words = (
-        f"The base {options.base!r} walks to targets. It was frozen, and a small part beside it learned from"
+        f"The base {Path(options.base).stem!r} walks to targets. It was frozen, and a small part beside it learned from"
         f" {samples:,} samples to walk in the style {style}: injected into its latent state, added to its layers, and"
         " zero at the start. Two million samples make the adaptations that ship."
     )

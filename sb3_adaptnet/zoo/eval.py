@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from adapt_envs.motion.sheet import video_frames, write_sheet
+from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
-from sb3_adaptnet.evaluation.pictures import write_frames
+from sb3_adaptnet.evaluation.pictures import write_frames, write_strip
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.policy import AdaptNetPolicy
 from sb3_adaptnet.zoo.acting import Actor, Bar, add_options, open_actor
 
 VIDEO_SECONDS = 12.0
@@ -27,6 +29,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a contact sheet of it going straight on")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="film it going to targets")
+    parser.add_argument("--strip", type=Path, metavar="FILE.png", help="draw an adaptation at alpha 0, 0.25, ..., 1")
     parser.set_defaults(run=run)
 
 
@@ -45,14 +48,19 @@ def run(options: argparse.Namespace) -> int:
     """Measure, print, draw."""
     check_outputs(options)
     actor = open_actor(options)
+    if options.strip is not None and not isinstance(actor.policy, AdaptNetPolicy):
+        raise ValueError(f"--strip needs an adaptation; {actor.name!r} is none")
     found = evaluate(actor.policy, actor.env, options.seconds, options.seed, Bar("walking"))
     if options.json:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
     else:
         print(text_table({actor.name: found.figures}))
-    for path in draw(actor, found, options.sheet, options.video):
-        if not options.json:
-            print(f"wrote {path}")
+    drawn = draw(actor, found, options.sheet, options.video)
+    if options.strip is not None:
+        draw_strip(actor, options.strip, options.seed)
+        drawn.append(options.strip)
+    for path in () if options.json else drawn:
+        print(f"wrote {path}")
     return 0
 
 
@@ -62,7 +70,9 @@ def check_outputs(options: argparse.Namespace) -> None:
     Raises:
         ValueError: for an extension that is no picture's or video's, or a folder that does not exist.
     """
-    for path, suffixes in ((options.sheet, (".png",)), (options.video, (".mp4", ".gif"))):
+    for path, suffixes in zip(
+        (options.sheet, options.strip, options.video), ((".png",), (".png",), (".mp4", ".gif")), strict=True
+    ):
         if path is None:
             continue
         if path.suffix.lower() not in suffixes:
@@ -83,3 +93,9 @@ def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None
         clip = clip_of(found.free, longest(found.free, VIDEO_SECONDS), reference.joint_names, name)
         write_frames(video_frames(clip), video)
     return [path for path in (sheet, video) if path is not None]
+
+
+def draw_strip(actor: Actor, path: Path, seed: int) -> None:
+    """Draw one pose of an adaptation at each of five alphas (see `pictures.pose_strip`)."""
+    if isinstance(actor.policy, AdaptNetPolicy):
+        write_strip(alpha_clips(actor.policy, actor.env, seed=seed), path)

@@ -33,7 +33,7 @@ def add_parser(subparsers: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Play until the window is closed or Ctrl-C."""
     actor = open_actor(options, num_worlds=1)
-    controls = Controls.of(actor.policy, actor.env)
+    controls = Controls.of(actor.policy, actor.env, actor.style)
     view = open_view(options, actor.env.worlds, controls)
     try:
         play(actor.policy, actor.env, view, controls, options.steps, options.seed)
@@ -55,9 +55,10 @@ def open_view(options: argparse.Namespace, worlds: Worlds, controls: Controls) -
             window = Window(worlds, on_key=Keyboard(controls).press)
             print(HELP)
             return window
-        except (RenderingError, RuntimeError):  # macOS wants mjpython for a window, and says so by a RuntimeError
+        except (RenderingError, RuntimeError) as error:  # macOS wants mjpython for a window: a RuntimeError
             if options.view == "window":
-                raise
+                raise RenderingError(str(error)) from error
+            print(f"no window: {error}")
     browser = Browser(worlds, controls, options.host, options.port)
     print(f"open {browser.address} in a browser; Ctrl-C ends it", flush=True)
     return browser

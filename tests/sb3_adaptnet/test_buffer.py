@@ -28,8 +28,10 @@ def fill(buffer, rng, space=BOX):
     steps, worlds, k = buffer.buffer_size, buffer.n_envs, getattr(buffer, "num_objectives", 1)
     rows = []
     for step in range(steps):
-        obs = {name: s.sample()[None].repeat(worlds, 0) for name, s in space.items()} if space is DICT else (
-            rng.standard_normal((worlds, 3)).astype(np.float32)
+        obs = (
+            {name: s.sample()[None].repeat(worlds, 0) for name, s in space.items()}
+            if space is DICT
+            else (rng.standard_normal((worlds, 3)).astype(np.float32))
         )
         starts = (rng.random(worlds) < 0.3) if step else np.ones(worlds, bool)
         values = torch.from_numpy(rng.standard_normal((worlds, k)).astype(np.float32))
@@ -45,19 +47,13 @@ def test_gae_by_hand():
     rewards, values = np.array([[[1.0]], [[2.0]]]), np.array([[[0.5]], [[1.0]]])
     last, going = np.array([[4.0]]), np.zeros((2, 1), bool)
     # delta_1 = 2 + 0.5 * 4 - 1 = 3; delta_0 = 1 + 0.5 * 1 - 0.5 = 1; A_1 = 3, A_0 = 1 + 0.25 * 3
-    np.testing.assert_allclose(
-        generalized_advantages(rewards, values, last, going, 0.5, 0.5).ravel(), [1.75, 3.0]
-    )
+    np.testing.assert_allclose(generalized_advantages(rewards, values, last, going, 0.5, 0.5).ravel(), [1.75, 3.0])
     ended = np.array([[True], [False]])
     # delta_0 = 1 - 0.5, and nothing of the next episode reaches it
-    np.testing.assert_allclose(
-        generalized_advantages(rewards, values, last, ended, 0.5, 0.5).ravel(), [0.5, 3.0]
-    )
+    np.testing.assert_allclose(generalized_advantages(rewards, values, last, ended, 0.5, 0.5).ravel(), [0.5, 3.0])
     # the last step ended: no value of the state after it
     ended = np.array([[False], [True]])
-    np.testing.assert_allclose(
-        generalized_advantages(rewards, values, last, ended, 0.5, 0.5).ravel(), [1.25, 1.0]
-    )
+    np.testing.assert_allclose(generalized_advantages(rewards, values, last, ended, 0.5, 0.5).ravel(), [1.25, 1.0])
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])
@@ -91,7 +87,9 @@ def test_combination_by_hand():
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_samples_are_the_rows_that_were_added(space, k):
     rng = np.random.default_rng(0)
-    buffer = ObjectiveRolloutBuffer(4, space, ACTION, device="cpu", gamma=0.9, gae_lambda=0.9, n_envs=3, num_objectives=k)
+    buffer = ObjectiveRolloutBuffer(
+        4, space, ACTION, device="cpu", gamma=0.9, gae_lambda=0.9, n_envs=3, num_objectives=k
+    )
     rows = fill(buffer, rng, space)
     buffer.compute_returns_and_advantage(torch.zeros(3, 1), np.zeros(3, bool))
     rewards = rng.standard_normal((4, 3, k)).astype(np.float32)
@@ -122,7 +120,9 @@ def test_returns_are_normalised_and_the_critic_keeps_its_outputs():
     rng = np.random.default_rng(0)
     head, latent = PopArtHead(6, 2), torch.randn(9, 6)
     before = head.denormalize(head(latent))
-    buffer = ObjectiveRolloutBuffer(8, BOX, ACTION, device="cpu", gamma=0.9, gae_lambda=0.9, n_envs=16, num_objectives=2)
+    buffer = ObjectiveRolloutBuffer(
+        8, BOX, ACTION, device="cpu", gamma=0.9, gae_lambda=0.9, n_envs=16, num_objectives=2
+    )
     fill(buffer, rng)
     buffer.compute_returns_and_advantage(torch.zeros(16, 1), np.zeros(16, bool))
     rewards = (rng.standard_normal((8, 16, 2)) * [1.0, 50.0] + [0.0, 100.0]).astype(np.float32)

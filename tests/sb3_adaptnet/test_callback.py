@@ -6,9 +6,17 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor
-
-from sb3_adaptnet import AdaptVecEnv, DiscriminatorRewardCallback, PretrainPolicy
 from toy_env import ToyEnv, ToyVectorEnv
+
+from sb3_adaptnet import (
+    AdaptNetPolicy,
+    AdaptVecEnv,
+    DiscriminatorRewardCallback,
+    FinetunePolicy,
+    PretrainPolicy,
+    ProgressivePolicy,
+    save_base,
+)
 
 SMALL = {"gru_size": 8, "hidden_sizes": (16, 8)}
 DISCRIMINATOR = {"batch_size": 64, "network": {"gru": 8, "hidden": [8], "heads": 4}}
@@ -187,3 +195,32 @@ class _WithoutWindows(ToyEnv):
         if name == "sample_reference_windows":
             raise AttributeError(name)
         return super().__getattribute__(name)
+
+
+@pytest.fixture(scope="module")
+def base_file(tmp_path_factory):
+    model = make_model()
+    model.learn(16 * 16, callback=make_callback())
+    return save_base(model, tmp_path_factory.mktemp("base") / "tiny")
+
+
+@pytest.mark.parametrize("policy", [AdaptNetPolicy, FinetunePolicy, ProgressivePolicy], ids=lambda p: p.__name__)
+def test_adapting_a_base_with_the_callback(policy, base_file, tmp_path):
+    """Frozen weights stay to the bit, the others move; a saved zip opens without the base and learns on."""
+    file = tmp_path / "base.safetensors"
+    file.write_bytes(base_file.read_bytes())
+    env = AdaptVecEnv(ToyVectorEnv(16, drift=0.03))
+    model = PPO(policy, env, n_steps=16, batch_size=64, n_epochs=2, policy_kwargs={"base": str(file)}, seed=0)
+    callback = make_callback()
+    callback.init_callback(model)  # K outputs before the snapshot
+    before = {name: p.detach().clone() for name, p in model.policy.named_parameters()}
+    model.learn(16 * 16 * 2, callback=callback)
+    for name, parameter in model.policy.named_parameters():
+        assert torch.equal(parameter, before[name]) != parameter.requires_grad, name
+    model.save(tmp_path / "model")
+    file.unlink()
+    with pytest.warns(UserWarning, match="base.safetensors"):
+        again = PPO.load(tmp_path / "model", env=env)
+    observations = env.reset()
+    assert np.array_equal(*(m.predict(observations, deterministic=True)[0] for m in (model, again)))
+    again.learn(16 * 16, callback=make_callback(), reset_num_timesteps=False)

@@ -36,9 +36,9 @@ def test_adapts_measures_draws_and_says_where(tmp_path, capsys):
 
 def test_without_a_walk_the_motions_are_shown(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(demo, "pretrained_names", lambda: [])
-    assert main(["demo", "--style", "Limp", "--film", "0.1", "-o", str(tmp_path)]) == 0
+    assert main(["demo", "--style", "Penguin", "--film", "0.1", "-o", str(tmp_path)]) == 0
     assert "there is no pretrained walk yet" in capsys.readouterr().out
-    assert files_on(tmp_path / "index.html") == ["walk.png", "limp.png", "style.mp4"]
+    assert files_on(tmp_path / "index.html") == ["walk.png", "penguin.png", "style.mp4"]
     assert all((tmp_path / file).stat().st_size > 1000 for file in files_on(tmp_path / "index.html"))
 
 

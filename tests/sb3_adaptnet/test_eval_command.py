@@ -37,7 +37,9 @@ def test_the_json_has_the_fields_and_pictures_are_drawn(tiny, tmp_path, capsys):
 
 def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys):
     words = ["--seconds", "1", "--threads", "1", "--json"]
-    assert main(["eval", str(tiny[1]), *words]) == 0
+    strip = tiny[1].with_name("strip.png")
+    assert main(["eval", str(tiny[1]), *words, "--strip", str(strip)]) == 0
+    assert imageio.imread(strip).shape == (2 * 320 + 32, 5 * 230, 3)
     adapted = json.loads(capsys.readouterr().out)
     assert main(["eval", str(tiny[1]), *words, "--alpha", "0"]) == 0
     without = json.loads(capsys.readouterr().out)
@@ -52,6 +54,7 @@ def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys):
         (["BASE", "--env", "AdaptNet/Humanoid-Nowhere-v0"], "Nowhere"),
         (["BASE", "--alpha", "0.5"], "need an adaptation"),
         (["BASE", "--sheet", "sheet.jpg"], "the extension must be .png"),
+        (["BASE", "--strip", "strip.png"], "--strip needs an adaptation"),
         (["BASE", "--video", "no/such/folder/film.mp4"], "does not exist"),
         (["BASE", "--seconds", "0.01"], "one step of 20 worlds"),
     ],

@@ -58,7 +58,8 @@ def test_the_loop_obeys_until_the_view_is_closed(files, one_world):
 def test_alpha_blend_and_goals_reach_policy_and_worlds(files, one_world):
     policy = open_policy(str(files[1]), one_world, styles={str(files[2]): None})
     one_world.reset(seed=0)
-    controls = Controls.of(policy, one_world)
+    controls = Controls.of(policy, one_world, "stroll")
+    assert controls.labels == {"main": "stroll"}
     assert controls.alpha == 1.0 and controls.weights == {"main": 0.5, "two": 0.5}
     controls.alpha, controls.weights = 0.3, {"main": 0.0, "two": 1.0}
     apply(controls, policy, one_world)

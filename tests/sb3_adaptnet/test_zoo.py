@@ -30,7 +30,7 @@ TOY = "toy_env:Toy-v0"
 ENTRY = {
     "n_envs": 8,
     "n_timesteps": 640,
-    "policy": "sb3_adaptnet.policy.PretrainPolicy",
+    "policy": "sb3_adaptnet.PretrainPolicy",
     "n_steps": 8,
     "batch_size": 32,
     "n_epochs": 1,
@@ -80,7 +80,10 @@ def test_entries_for_ids_are_explicit_in_ppo_yml():
 def test_the_papers_table():
     settings = hyperparameters("AdaptNet/Humanoid-Stoop-v0", conf_file="paper")
     policy = settings["policy_kwargs"]
-    assert (policy["actor_lr"], policy["critic_lr"]) == (5e-6, 1e-4) and (policy["beta"], policy["kappa"]) == (0.01, 0.01)
+    assert (policy["actor_lr"], policy["critic_lr"]) == (5e-6, 1e-4) and (policy["beta"], policy["kappa"]) == (
+        0.01,
+        0.01,
+    )
     assert settings["n_steps"] * 512 == 4096 and settings["batch_size"] == 256 and settings["n_epochs"] == 5
 
 
@@ -95,7 +98,7 @@ def test_hyperparameters_are_a_fresh_dict_with_the_base():
     ({"lerning_rate": 1e-4}, "'lerning_rate'.*learning_rate"),
     ({"policy_kwargs": {"hiden": 3}}, "policy_kwargs.*'hiden'.*hidden_sizes"),
     ({"callback": [{"sb3_adaptnet.callback.DiscriminatorRewardCallback": {"kl": 1}}]}, "'kl'.*kl_range"),
-    ({"policy": "sb3_adaptnet.policy.NoSuchPolicy"}, "NoSuchPolicy"),
+    ({"policy": "sb3_adaptnet.NoSuchPolicy"}, "NoSuchPolicy"),
     ({"learning_rate": "5e-6"}, "learning_rate.*5e-06|learning_rate.*text"),
 ])  # fmt: skip
 def test_unknown_keys_are_refused(tmp_path, changes, message):
@@ -160,14 +163,24 @@ def run_command(arguments, **kwargs):
 
 
 def train_command(tmp_path, *more):
-    words = ["sb3_adaptnet.zoo.command", "train", TOY, "--conf-file", conf(tmp_path), "--run-dir", str(tmp_path / "run")]
+    words = [
+        "sb3_adaptnet.zoo.command",
+        "train",
+        TOY,
+        "--conf-file",
+        conf(tmp_path),
+        "--run-dir",
+        str(tmp_path / "run"),
+    ]
     return run_command([*words, "--samples", "1e9", "--minutes", "0.002", "--threads", "1", *more])
 
 
 def wait_for(condition, process, seconds=120):
     end = time.monotonic() + seconds
     while not condition():
-        assert process.poll() is None and time.monotonic() < end, process.stdout.read() if process.poll() else "too slow"
+        assert process.poll() is None and time.monotonic() < end, (
+            process.stdout.read() if process.poll() else "too slow"
+        )
         time.sleep(0.02)
 
 
