@@ -17,7 +17,7 @@ from adapt_envs.worlds import Worlds
 COLUMNS = 6
 """Pictures in a row."""
 _TILE = (300, 270)
-_CAPTION, _FONT = 28, 13
+_CAPTION, _FONT = 28, 12
 _GAP = 4
 _STEPS = 4
 """Steps from the start state to the picture: the character has come into motion."""
@@ -66,9 +66,7 @@ def gallery(names: Sequence[str], pictures: Iterable[Image], columns: int = COLU
 
 def write_gallery(path: str | Path, names: Sequence[str], pictures: Iterable[Image]) -> None:
     """Write the contact sheet of the environments `names` as a PNG."""
-    sheet = PilImage.fromarray(gallery(names, pictures))
-    # A dithered palette that covers all colours looks alike and takes a sixth of the space.
-    sheet.quantize(255, method=PilImage.Quantize.MAXCOVERAGE).save(path, format="PNG", optimize=True)
+    PilImage.fromarray(gallery(names, pictures)).save(path, format="PNG", optimize=True)
 
 
 def _captioned(name: str, picture: Image) -> Image:

@@ -1,6 +1,7 @@
 """Every environment as a row of one table: a new world is a new row."""
 
 from dataclasses import dataclass, fields, replace
+from numbers import Real
 
 from adapt_envs.model.morphology import Morphology
 from adapt_envs.model.obstacles import ObstacleField
@@ -161,8 +162,10 @@ def configured(task: str | TaskSpec, overrides: dict[str, object]) -> TaskSpec:
     for key in ("speed_range", "timer_range"):
         if overrides.get(key) is not None:
             overrides[key] = _checked_range(key, overrides[key])
+    if isinstance(overrides.get("locked", ()), str):
+        overrides["locked"] = (overrides["locked"],)
     friction = overrides.get("friction", spec.friction)
-    if not isinstance(friction, (int, float)) or not friction > 0:
+    if not isinstance(friction, Real) or not 0 < float(friction) < float("inf"):
         raise ValueError(f"friction is {friction!r}, expected a positive number")
     return replace(spec, **overrides)  # type: ignore[arg-type]
 

@@ -99,7 +99,8 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     elif path.exists():
         raise ValueError(f"{path} is in the way; choose another folder with -o")
     settings = RunSettings(env_id(options.style), options.samples, base=options.base, n_envs=options.n_envs)
-    print(f"1/3 adapting {Path(options.base).stem} to {options.style}: {options.samples:,} samples or {options.minutes:g} minutes")
+    base = Path(options.base).stem
+    print(f"1/3 adapting {base} to {options.style}: {options.samples:,} samples or {options.minutes:g} minutes")
     learner, limit = build_learner(settings), TimeLimit(options.minutes)
     learner.others.append(limit)
     folder = learn(learner, RunFolder.new(settings, path))

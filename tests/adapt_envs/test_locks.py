@@ -65,6 +65,10 @@ def test_nothing_but_the_joints_changes_for_the_physics():
     assert not locked.geom_conaffinity[balls].any()
 
 
+def test_one_joint_may_be_given_without_a_tuple():
+    assert make_vector(env_id("Walk"), 1, locked="right_knee").single_action_space.shape == (27,)
+
+
 def test_names_mean_a_joint_a_place_or_a_pair():
     spec = load_spec()
     assert [joint.name for joint in joints_named(spec, "right_hip_x")] == ["right_hip_x"]
