@@ -68,6 +68,17 @@ class Backbone(Actor):
         self.mean.bias.copy_(torch.as_tensor(pose, dtype=self.mean.bias.dtype))
         self.log_std.bias.fill_(math.log(std))
 
+    @torch.no_grad()
+    def hold_std(self) -> None:
+        """Make the standard deviation the same in every state, where it starts, and keep it from learning."""
+        self.log_std.weight.zero_()
+        self.log_std.requires_grad_(False)
+
+    @property
+    def learns_std(self) -> bool:
+        """Whether the standard deviation learns."""
+        return self.log_std.weight.requires_grad
+
     def code(self, frames: torch.Tensor) -> torch.Tensor:
         """The state code E(o) of frames, (B, gru_size), float32."""
         return self.encoder(self.normalizer(frames)).float()

@@ -24,12 +24,12 @@ def unroll_gru(gru: nn.GRU, inputs: torch.Tensor) -> torch.Tensor:
     Returns:
         Last hidden state (B, hidden size), float32.
     """
-    size = gru.hidden_size
-    projected = functional.linear(inputs, gru.weight_ih_l0, gru.bias_ih_l0).unbind(1)
+    size, (w_ih, w_hh, b_ih, b_hh) = gru.hidden_size, gru.parameters()
+    projected = functional.linear(inputs, w_ih, b_ih).unbind(1)
     state = projected[0].new_zeros(len(inputs), size)
     for frame, gates in enumerate(projected):
         first = frame == 0  # the state is zero: only the bias counts
-        hidden = gru.bias_hh_l0.to(state.dtype) if first else functional.linear(state, gru.weight_hh_l0, gru.bias_hh_l0)
+        hidden = b_hh.to(state.dtype) if first else functional.linear(state, w_hh, b_hh)
         both, new = gates.split((2 * size, size), dim=-1)
         both_h, new_h = hidden.split((2 * size, size), dim=-1)
         reset, update = torch.sigmoid(both + both_h).split(size, dim=-1)

@@ -15,8 +15,10 @@ from sb3_adaptnet import (
     FinetunePolicy,
     PretrainPolicy,
     ProgressivePolicy,
+    hyperparameters,
     save_base,
 )
+from sb3_adaptnet.ramp import AttributeRamp
 
 SMALL = {"gru_size": 8, "hidden_sizes": (16, 8)}
 DISCRIMINATOR = {"batch_size": 64, "network": {"gru": 8, "hidden": [8], "heads": 4}}
@@ -224,3 +226,26 @@ def test_adapting_a_base_with_the_callback(policy, base_file, tmp_path):
     observations = env.reset()
     assert np.array_equal(*(m.predict(observations, deterministic=True)[0] for m in (model, again)))
     again.learn(16 * 16, callback=make_callback(), reset_num_timesteps=False)
+
+
+def test_a_ramp_moves_an_attribute_with_the_samples():
+    env, seen = AdaptVecEnv(ToyVectorEnv(4)), []
+    ramp = AttributeRamp("drift", 0.2, 0.1, samples=128)
+    model = make_model(env)
+    model.learn(64 * 4, callback=[ramp, Check(lambda _: seen.append(env.worlds.drift))])
+    assert seen == pytest.approx([0.2, 0.15, 0.1, 0.1])
+    with pytest.raises(ValueError, match="positive.*0"):
+        AttributeRamp("drift", 0.0, 1.0, samples=0)
+
+
+def test_the_readmes_snippet(tmp_path):
+    """As a user writes it, with few worlds and a tiny base."""
+    stoop = "AdaptNet/Humanoid-Stoop-v0"
+    env = AdaptVecEnv(stoop, num_envs=64, num_threads=1)
+    base = save_base(PPO(PretrainPolicy, env, n_steps=2, policy_kwargs=dict(SMALL)), tmp_path / "tiny")
+    model = PPO(AdaptNetPolicy, env, **hyperparameters(stoop, base=str(base)))
+    callback = DiscriminatorRewardCallback()
+    model.learn(2_000, callback=callback, progress_bar=False)
+    assert model.num_timesteps >= 2_000 and callback.objectives == ("imitation", "goal")
+    assert np.isfinite(list(callback.metrics.values())).all()
+    env.close()

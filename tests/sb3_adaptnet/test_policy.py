@@ -313,3 +313,14 @@ def test_nothing_to_train_is_refused(tiny_base):
 def test_state_dependent_noise_is_refused():
     with pytest.raises(ValueError, match="use_sde"):
         PPO(PretrainPolicy, ToyEnv(), use_sde=True)
+
+
+def test_a_held_standard_deviation_stays_and_survives_saving(tmp_path):
+    model = PPO(PretrainPolicy, ToyEnv(), policy_kwargs=SIZES | {"learn_std": False, "initial_std": 0.1}, **PPO_ARGUMENTS)
+    model.learn(64)
+    model.save(tmp_path / "held")
+    again = PPO.load(tmp_path / "held", env=ToyEnv())
+    again.learn(64)
+    for policy in (model.policy, again.policy):
+        spread = policy.get_distribution(torch.as_tensor(observations())).distribution.stddev
+        assert torch.allclose(spread, torch.full_like(spread, 0.1))
