@@ -1,7 +1,5 @@
 """Start states put somewhere on the ground: pure functions over arrays."""
 
-from functools import lru_cache
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +63,6 @@ def _points(link: Array, points: Array) -> NDArray[np.float64]:
     return link[:, None, :3] + rotations.rotate(link[:, None, 3:7].astype(np.float64), points[None])
 
 
-@lru_cache(maxsize=64)
 def _soles(model: mujoco.MjModel) -> tuple[tuple[int, NDArray[np.float64]], ...]:
     """For each foot its link's number and points (P, 3) of its sole in the link's frame."""
     soles = []
