@@ -44,7 +44,8 @@ def test_imports_follow_the_arrows(path):
         assert "adapt_envs" not in tops, f"only {', '.join(MAY_SEE_THE_WORLD)} may import adapt_envs"
     own = layer_of(name)
     if own is not None:
-        seen = {layer_of(module.replace(".", "/") + "/") or layer_of(module.replace(".", "/") + ".py") for module in modules}
+        paths = [module.replace(".", "/") for module in modules]
+        seen = {layer_of(f"{path}/") or layer_of(f"{path}.py") for path in paths}
         assert all(other is None or other <= own for other in seen), f"{name} imports from a layer above it"
 
 

@@ -316,7 +316,8 @@ def test_state_dependent_noise_is_refused():
 
 
 def test_a_held_standard_deviation_stays_and_survives_saving(tmp_path):
-    model = PPO(PretrainPolicy, ToyEnv(), policy_kwargs=SIZES | {"learn_std": False, "initial_std": 0.1}, **PPO_ARGUMENTS)
+    choices = SIZES | {"learn_std": False, "initial_std": 0.1}
+    model = PPO(PretrainPolicy, ToyEnv(), policy_kwargs=choices, **PPO_ARGUMENTS)
     model.learn(64)
     model.save(tmp_path / "held")
     again = PPO.load(tmp_path / "held", env=ToyEnv())
