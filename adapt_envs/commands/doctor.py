@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
         ("python", platform.python_version()),
         *((name, _version(name)) for name in PACKAGES),
         ("assets", str(asset_path("humanoid.xml").parent)),
-        ("cores", str(usable_cores())),
+        ("processor", f"{processor()}, {usable_cores()} cores"),
         ("bf16", bf16_words(cpu_flags())),
         (GL_VARIABLE, os.environ.get(GL_VARIABLE, "not set: MuJoCo takes the window system's OpenGL")),
         ("rendering", drawing),
@@ -46,13 +46,21 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def processor() -> str:
+    """Name of the first processor as Linux has it, else what Python knows."""
+    return _cpuinfo("model name") or platform.processor() or platform.machine()
+
+
 def cpu_flags() -> frozenset[str]:
     """Feature flags of the first processor as Linux names them; empty where unknown."""
+    return frozenset((_cpuinfo("flags") or _cpuinfo("Features")).split())
+
+
+def _cpuinfo(name: str) -> str:
+    """What Linux says of the first processor under `name`; empty where it does not."""
     cpuinfo = Path("/proc/cpuinfo")
-    if not cpuinfo.exists():
-        return frozenset()
-    lines = (line for line in cpuinfo.read_text().splitlines() if line.startswith(("flags", "Features")))
-    return frozenset(next(lines, ":").split(":", 1)[1].split())
+    lines = cpuinfo.read_text(errors="replace").splitlines() if cpuinfo.exists() else []
+    return next((line.split(":", 1)[1].strip() for line in lines if line.split(":")[0].strip() == name), "")
 
 
 def bf16_words(flags: frozenset[str]) -> str:

@@ -2,7 +2,7 @@
 
 import argparse
 import json
-import platform
+import multiprocessing
 import time
 from collections.abc import Callable
 from functools import partial
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv
 from tqdm import tqdm
 
-from adapt_envs.commands.doctor import usable_cores
+from adapt_envs.commands.doctor import processor, usable_cores
+from adapt_envs.heightmap import heightmaps
 from adapt_envs.model.humanoid import PHYSICS_STEPS
 from adapt_envs.registration import env_id, make_vector
 from adapt_envs.vector_env import AdaptVectorEnv
@@ -27,6 +28,8 @@ _SB3_WORLDS = 64
 _SIZES = (64, 256, 512, 1024, 2048, 4096)
 _GYM_SUBSTEPS = 5
 """Physics steps per step of Gymnasium's Humanoid-v5 (frame_skip)."""
+_PRELOADED = ["adapt_envs", "sb3_adaptnet.zoo.command", "gymnasium.envs.mujoco.humanoid_v5"]
+"""Imported once, by the server that the 64 processes are forked from: one import each took over two minutes."""
 
 
 def add_parser(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -46,8 +49,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(figures))
         return 0
+    rows = figures.pop("cost_by_worlds")
     for name, value in figures.items():
         print(f"{name:36s}{value:.3f}" if isinstance(value, float) else f"{name:36s}{value}")
+    for row in rows:
+        print("{worlds:6d} worlds: {us_per_world_step:.1f} us a world step".format(**row))
     return 0
 
 
@@ -60,18 +66,19 @@ def measure(environment: str, worlds: int, threads: int, seed: int) -> dict[str,
         threads: threads of the physics.
         seed: seed of states and noise.
     """
-    bar = tqdm(total=4 + len(_SIZES), desc="bench env", disable=None)
+    multiprocessing.set_forkserver_preload(_PRELOADED)
+    bar = tqdm(total=6 + len(_SIZES), desc="bench env", disable=None)
+    memory = _kib_per_world(environment, threads, seed)
+    bar.update()
     env = make_vector(environment, worlds, num_threads=threads)
     env.reset(seed=seed)
     actions = _actions(env, seed)
-    rate, physics = _in_turn(
-        lambda: _timed(env.step, actions, worlds), _physics_timer(env, threads, actions, worlds)
-    )
+    rate, physics = _in_turn(lambda: _timed(env.step, actions, worlds), _physics_timer(env, threads, actions, worlds))
     bar.update()
     figures: dict[str, Any] = {
-        "environment": environment, "worlds": worlds, "threads": threads, "seed": seed, "cpu": platform.processor(),
+        "environment": environment, "worlds": worlds, "threads": threads, "seed": seed, "cpu": processor(),
         "steps_per_second": float(np.median(rate)), "physics_steps_per_second": float(np.median(physics)),
-        "ratio_to_physics": float(np.median(rate / physics)),
+        "ratio_to_physics": float(np.median(rate / physics)), "kib_per_world": memory,
     }  # fmt: skip
     for name, rival in (
         ("dummy_vec_env", partial(_sb3_timer, DummyVecEnv, environment, seed)),
@@ -80,6 +87,8 @@ def measure(environment: str, worlds: int, threads: int, seed: int) -> dict[str,
     ):
         figures[f"ratio_to_{name}"] = _against(rival, env, actions, worlds)
         bar.update()
+    figures |= _heightmap_cost(worlds, threads, seed)
+    bar.update()
     figures["cost_by_worlds"] = _scaling(environment, threads, seed, bar)
     bar.close()
     return figures
@@ -110,9 +119,7 @@ def _in_turn(*timers: Callable[[], float]) -> list[NDArray[np.float64]]:
     return list(np.array(rounds).T)
 
 
-def _physics_timer(
-    env: AdaptVectorEnv, threads: int, actions: NDArray[np.float32], worlds: int
-) -> Callable[[], float]:
+def _physics_timer(env: AdaptVectorEnv, threads: int, actions: NDArray[np.float32], worlds: int) -> Callable[[], float]:
     """Bare `mujoco.batch` over the states the environment is in when a round begins."""
     batch = Batch(env.worlds.model, nsim=worlds, nthread=threads)
     stage = int(mujoco.mjtStage.mjSTAGE_VEL)
@@ -154,28 +161,57 @@ def _sb3_timer(
 
 def _gymnasium_timer(seed: int) -> tuple[Callable[[], float], Callable[[], None]]:
     """Gymnasium's Humanoid-v5 in AsyncVectorEnv, its rate rescaled to our physics steps per step."""
-    vec = gym.make_vec("Humanoid-v5", num_envs=_SB3_WORLDS, vectorization_mode="async")
+    vec = gym.make_vec(
+        "Humanoid-v5", num_envs=_SB3_WORLDS, vectorization_mode="async", vector_kwargs={"context": "forkserver"}
+    )
     vec.reset(seed=seed)
     rng = np.random.default_rng(seed)
     actions = rng.uniform(-0.4, 0.4, (_STEPS, _SB3_WORLDS, 17)).astype(np.float32)
     return lambda: _timed(vec.step, actions, _SB3_WORLDS) * _GYM_SUBSTEPS / PHYSICS_STEPS, vec.close
 
 
+def _heightmap_cost(worlds: int, threads: int, seed: int) -> dict[str, float]:
+    """What looking up the heights around all worlds costs: per world [us], and as a share of a whole step."""
+    env = make_vector(env_id("TerrainHills"), worlds, num_threads=threads)
+    env.reset(seed=seed)
+    actions = _actions(env, seed)
+    step, look_up = _in_turn(
+        lambda: _timed(env.step, actions, worlds),
+        lambda: _timed(
+            lambda _: heightmaps(env.worlds.ground, env.worlds.root_xy, env.worlds.root_heading), actions, worlds
+        ),
+    )
+    env.close()
+    return {
+        "heightmap_us_per_world": 1e6 / float(np.median(look_up)),
+        "heightmap_share": float(np.median(step / look_up)),
+    }
+
+
 def _scaling(environment: str, threads: int, seed: int, bar: "tqdm[Any]") -> list[dict[str, float]]:
-    """Cost of a world step [us] and memory of a world [KiB] from 64 to 4096 worlds."""
+    """Cost of a world step [us] from 64 to 4096 worlds."""
     rows = []
     for size in _SIZES:
-        before = _resident_kib()
         env = make_vector(environment, size, num_threads=threads)
         env.reset(seed=seed)
         actions = _actions(env, seed)
         _timed(env.step, actions[:4], size)
         rates = [_timed(env.step, actions, size) for _ in range(3)]
-        memory = max(0.0, _resident_kib() - before) / size
-        rows.append({"worlds": size, "us_per_world_step": 1e6 / float(np.median(rates)), "kib_per_world": memory})
+        rows.append({"worlds": size, "us_per_world_step": 1e6 / float(np.median(rates))})
         env.close()
         bar.update()
     return rows
+
+
+def _kib_per_world(environment: str, threads: int, seed: int) -> float:
+    """Memory of a world [KiB] among 4096, what they share included; before anything else has left memory to reuse."""
+    before = _resident_kib()
+    env = make_vector(environment, _SIZES[-1], num_threads=threads)
+    env.reset(seed=seed)
+    env.step(np.zeros(env.action_space.shape, np.float32))
+    found = (_resident_kib() - before) / _SIZES[-1]
+    env.close()
+    return found
 
 
 def _resident_kib() -> float:

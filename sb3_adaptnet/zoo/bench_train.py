@@ -1,9 +1,9 @@
 """``adaptnet bench train``: samples per second of whole training iterations, and where the time goes.
 
 An iteration is what PPO does per rollout: act and simulate 16 steps of 512 worlds, train the discriminators for one
-pass, score the windows, compute advantages, update actor and critic for 4 epochs. The plain version is the same in
-float32 with an unfused optimiser; both take turns in one process. OpenMP's threads sleep while they wait
-(``sb3_adaptnet.openmp``): other processes on the same cores then cost their share and no more.
+pass, score the windows, compute advantages, update actor and critic for 4 epochs. The plain version is the same
+networks in float32 with torch's own GRU, an unfused optimiser and, adapting, no memory of what the frozen encoder made
+of a sample; both take turns in one process.
 """
 
 import argparse
@@ -19,6 +19,7 @@ from stable_baselines3 import PPO
 
 from sb3_adaptnet.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.hyperparameters import Experiment, experiment
+from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
 PARTS = ("act", "simulate", "discriminators", "imitation_reward", "update", "other")
@@ -45,11 +46,11 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps(figures))
         return 0
-    seconds = figures.pop("seconds")
+    seconds, plain_seconds = figures.pop("seconds"), figures.pop("plain_seconds")
     for name, value in figures.items():
         print(f"{name:28s}{value:.2f}" if isinstance(value, float) else f"{name:28s}{value}")
     for name, value in seconds.items():
-        print(f"  {name:26s}{value:.3f} s per iteration")
+        print(f"  {name:26s}{value:.3f} s per iteration, plain {plain_seconds[name]:.3f} s")
     return 0
 
 
@@ -67,12 +68,12 @@ def measure(
 
     Returns:
         samples_per_second, plain_samples_per_second, speedup_over_plain (medians of wall time); speedup_in_cpu_time,
-        which other processes on the machine disturb less; seconds per part of one iteration of the fast version.
+        which other processes on the machine disturb less; seconds per part of one iteration of each version.
     """
     if threads is not None:
         torch.set_num_threads(threads)
     entry = experiment(env_id, conf_file=conf_file)
-    fast, plain = _Bench(entry, worlds, threads, {}), _Bench(entry, worlds, threads, PLAIN)
+    fast, plain = (_Bench(entry, worlds, threads, plain) for plain in (False, True))
     for bench in (fast, plain):
         bench.iterate()
         bench.forget()
@@ -91,6 +92,7 @@ def measure(
         "speedup_over_plain": rates[0] / rates[1],
         "speedup_in_cpu_time": statistics.median(plain.cpu) / statistics.median(fast.cpu),
         "seconds": fast.seconds(),
+        "plain_seconds": plain.seconds(),
     }
     for bench in (fast, plain):
         bench.model.env.close()
@@ -100,11 +102,14 @@ def measure(
 class _Bench:
     """A model whose parts are timed."""
 
-    def __init__(self, entry: Experiment, worlds: int, threads: int | None, changes: dict[str, Any]) -> None:
+    def __init__(self, entry: Experiment, worlds: int, threads: int | None, plain: bool) -> None:
         env: Any = AdaptVecEnv(entry.env_id, worlds, threads, seed=0, **entry.env_kwargs)
-        settings = {**entry.ppo, "policy_kwargs": {**entry.ppo["policy_kwargs"], **changes}}
+        settings = {**entry.ppo, "policy_kwargs": {**entry.ppo["policy_kwargs"], **(PLAIN if plain else {})}}
         self.model: Any = PPO(entry.policy, env, seed=0, **settings)
-        self.callback = _callback(entry)
+        self.callback, self.plain = _callback(entry), plain
+        if plain:
+            _take_torch_gru(self.model.policy)
+            self.model.policy._with_base_code = lambda observation: observation  # encode anew in every epoch
         self.totals: list[float] = []
         self.cpu: list[float] = []
         self.parts: dict[str, list[float]] = defaultdict(list)
@@ -123,6 +128,8 @@ class _Bench:
         if fresh and self.callback.imitation is not None:
             self._time(self.callback.imitation, "update", "discriminators")
             self._time(self.callback.imitation, "rewards", "imitation_reward")
+            if self.plain:
+                _take_torch_gru(self.callback.imitation.discriminator)
 
     def forget(self) -> None:
         """Drop what was measured so far."""
@@ -138,6 +145,17 @@ class _Bench:
 
     def _time(self, owner: Any, method: str, part: str) -> None:
         setattr(owner, method, _timed(getattr(owner, method), self.parts, part))
+
+
+def _take_torch_gru(network: torch.nn.Module) -> None:
+    """Let a network's state encoders run ``torch.nn.GRU`` instead of the project's own."""
+    for module in network.modules():
+        if isinstance(module, StateEncoder):
+            module.forward = _torch_gru(module.gru)
+
+
+def _torch_gru(gru: torch.nn.GRU) -> Callable[[torch.Tensor], torch.Tensor]:
+    return lambda frames: gru(frames)[1][0]
 
 
 def _timed(function: Callable[..., Any], parts: dict[str, list[float]], part: str) -> Callable[..., Any]:
