@@ -208,7 +208,7 @@ def _kib_per_world(environment: str, threads: int, seed: int) -> float:
     before = _resident_kib()
     env = make_vector(environment, _SIZES[-1], num_threads=threads)
     env.reset(seed=seed)
-    env.step(np.zeros(env.action_space.shape, np.float32))
+    env.step(np.zeros((_SIZES[-1], env.worlds.model.nu), np.float32))
     found = (_resident_kib() - before) / _SIZES[-1]
     env.close()
     return found

@@ -109,7 +109,7 @@ class _Bench:
         self.callback, self.plain = _callback(entry), plain
         if plain:
             _take_torch_gru(self.model.policy)
-            self.model.policy._with_base_code = lambda observation: observation  # encode anew in every epoch
+            _forget_base_codes(self.model.policy)
         self.totals: list[float] = []
         self.cpu: list[float] = []
         self.parts: dict[str, list[float]] = defaultdict(list)
@@ -149,9 +149,14 @@ class _Bench:
 
 def _take_torch_gru(network: torch.nn.Module) -> None:
     """Let a network's state encoders run ``torch.nn.GRU`` instead of the project's own."""
-    for module in network.modules():
-        if isinstance(module, StateEncoder):
-            module.forward = _torch_gru(module.gru)
+    encoders: list[Any] = [module for module in network.modules() if isinstance(module, StateEncoder)]
+    for encoder in encoders:
+        encoder.forward = _torch_gru(encoder.gru)
+
+
+def _forget_base_codes(policy: Any) -> None:
+    """Let a policy around a frozen base encode every sample anew in every epoch."""
+    policy._with_base_code = lambda observation: observation
 
 
 def _torch_gru(gru: torch.nn.GRU) -> Callable[[torch.Tensor], torch.Tensor]:
