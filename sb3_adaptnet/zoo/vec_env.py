@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium as gym
+import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
 
 from sb3_adaptnet.vec_env import AdaptVecEnv
@@ -35,4 +37,20 @@ class ZooVecEnv(AdaptVecEnv):
         single.close()
         if spec is None:
             raise ValueError("ZooVecEnv needs a registered environment; this one has no spec")
-        super().__init__(spec, num_envs=len(env_fns), stagger=len(env_fns) > 1, **env_kwargs)
+        training = len(env_fns) > 1
+        if training:  # rl_zoo3 seeds numpy's global generator before it makes environments
+            env_kwargs = {**training_ground(spec, int(np.random.randint(2**31 - 1))), **env_kwargs}
+        super().__init__(spec, num_envs=len(env_fns), stagger=training, **env_kwargs)
+
+
+def training_ground(spec: EnvSpec, seed: int) -> dict[str, int]:
+    """Environment arguments that give a training terrain and obstacles of its own; evaluation's come from seed 0.
+
+    Args:
+        spec: The environment's; a terrain seed among its arguments stays.
+        seed: The training's, from 0.
+
+    Returns:
+        ``terrain_seed``, or nothing if it is set already or the environment is not of this suite.
+    """
+    return {"terrain_seed": seed + 1} if "task" in spec.kwargs and "terrain_seed" not in spec.kwargs else {}

@@ -8,8 +8,11 @@ from stable_baselines3.common.vec_env import VecMonitor
 from toy_env import ToyVectorEnv
 
 from sb3_adaptnet import AdaptVecEnv
+from sb3_adaptnet.hyperparameters import experiment
 from sb3_adaptnet.windows import pose_windows, reference_windows
-from sb3_adaptnet.zoo.vec_env import ZooVecEnv
+from sb3_adaptnet.zoo.run_folder import RunSettings
+from sb3_adaptnet.zoo.training import make_worlds
+from sb3_adaptnet.zoo.vec_env import ZooVecEnv, training_ground
 
 WALK = "AdaptNet/Humanoid-Walk-v0"
 
@@ -107,6 +110,26 @@ def test_from_an_id_a_spec_and_zoos_functions():
     for env in envs:
         assert env.num_envs == 3 and env.reset().shape == (3, 784)
         assert env.action_space.default_base == "walk" and len(env.action_space.joint_names) == 28
+        env.close()
+
+
+def test_trainings_draw_a_terrain_of_their_own():
+    hills = gym.spec("AdaptNet/Humanoid-TerrainHills-v0")
+    assert training_ground(hills, 0) == {"terrain_seed": 1} != training_ground(hills, 1)
+    chosen = gym.make("AdaptNet/Humanoid-TerrainHills-v0", terrain_seed=7).spec
+    assert training_ground(chosen, 0) == {} == training_ground(gym.spec("CartPole-v1"), 0)
+
+    def seed_of(env):
+        return env.worlds.unwrapped.worlds.spec.terrain_seed
+
+    settings = RunSettings(hills.id, samples=1, seed=3, n_envs=2, threads=1)
+    trained = [
+        make_worlds(settings, experiment(hills.id)),
+        ZooVecEnv([lambda: gym.make(hills.id, terrain_seed=7)] * 2, num_threads=1),
+        ZooVecEnv([lambda: gym.make(hills.id)], num_threads=1),  # a single world is zoo's evaluation
+    ]
+    assert [seed_of(env) for env in trained] == [4, 7, 0]
+    for env in trained:
         env.close()
 
 
