@@ -14,7 +14,7 @@ import torch
 import yaml
 
 from adapt_envs import SUITE, env_id
-from sb3_adaptnet import hyperparameters, load_policy
+from sb3_adaptnet import FinetunePolicy, hyperparameters, load_policy
 from sb3_adaptnet.hyperparameters import experiment
 from sb3_adaptnet.resources import zoo_config_path
 from sb3_adaptnet.vec_env import AdaptVecEnv
@@ -66,9 +66,18 @@ def settings(folder, **changes):
 def test_every_environment_has_an_entry(file, name):
     entry = experiment(env_id(name), conf_file=file)
     assert entry.n_envs == 512 and entry.samples >= 1_000_000
-    assert entry.ppo["gamma"] == entry.ppo["gae_lambda"] == 0.95 and entry.ppo["clip_range"] == 0.2
+    assert entry.ppo["gamma"] == {"ppo": 0.98, "paper": 0.95}[file]
+    assert entry.ppo["gae_lambda"] == 0.95 and entry.ppo["clip_range"] == 0.2
     (_, callback), *_ = entry.callbacks
     assert sum(callback["objective_weights"].values()) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("name", ["Walk", "Run"])
+def test_bases_can_be_continued_by_the_recipe_they_were_made_by(name):
+    on, anew = (experiment(env_id(name), conf_file=file) for file in ("continue", "ppo"))
+    assert on.policy is FinetunePolicy and "base" not in on.ppo["policy_kwargs"]  # the environment's default
+    assert on.callbacks == anew.callbacks and on.n_envs == anew.n_envs
+    assert {**on.ppo, "policy_kwargs": None} == {**anew.ppo, "policy_kwargs": None}
 
 
 def test_entries_for_ids_are_explicit_in_ppo_yml():
