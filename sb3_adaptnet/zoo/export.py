@@ -11,6 +11,7 @@ from adapt_envs import AdaptVectorEnv
 from adapt_envs.motion.library import load_clip
 from sb3_adaptnet.checkpoint import BASE, save_adaptation, save_base
 from sb3_adaptnet.hyperparameters import Experiment, experiment
+from sb3_adaptnet.resources import WEIGHT_SUFFIX
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.zoo.progress import COLUMNS, read_rows
 from sb3_adaptnet.zoo.run_folder import RunFolder
@@ -82,12 +83,15 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int) -> dict[str, Any
         for name in COLUMNS[3:7]
         if rows and all(name in row for row in rows)
     }
+    policy_kwargs = dict(entry.ppo["policy_kwargs"])
+    if policy_kwargs.get("base") is not None:  # its name: where the file lay means nothing elsewhere
+        policy_kwargs["base"] = Path(policy_kwargs["base"]).name.removesuffix(WEIGHT_SUFFIX)
     training = {
         "samples": samples,
         "seed": settings.seed,
         "worlds": settings.n_envs or entry.n_envs,
         "policy": f"{entry.policy.__module__}.{entry.policy.__qualname__}",
-        "ppo": entry.ppo,
+        "ppo": {**entry.ppo, "policy_kwargs": policy_kwargs},
         "callbacks": [{cls.__name__: kwargs} for cls, kwargs in entry.callbacks],
     }
     return {"environment": settings.env_id, "training": training, "metrics": metrics}

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import gymnasium as gym
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
@@ -20,7 +19,7 @@ from sb3_adaptnet.zoo.curve import draw_curve
 from sb3_adaptnet.zoo.progress import Progress
 from sb3_adaptnet.zoo.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.zoo.saver import RunSaver
-from sb3_adaptnet.zoo.vec_env import training_ground
+from sb3_adaptnet.zoo.vec_env import spec_of, training_ground
 
 
 @dataclass
@@ -69,7 +68,7 @@ def build_learner(settings: RunSettings, samples_done: int = 0, **overrides: Any
 def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv:
     """Make the run's vector environment."""
     kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs}
-    kwargs.update(training_ground(gym.spec(settings.env_id), settings.seed))
+    kwargs.update(training_ground(spec_of(settings.env_id), settings.seed))
     kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
     if settings.motion is not None:
         kwargs["motion"] = settings.motion

@@ -1,6 +1,7 @@
 """The native vector environment under the constructor that rl_zoo3 calls."""
 
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import Any
 
 import gymnasium as gym
@@ -41,6 +42,14 @@ class ZooVecEnv(AdaptVecEnv):
         if training:  # rl_zoo3 seeds numpy's global generator before it makes environments
             env_kwargs = {**training_ground(spec, int(np.random.randint(2**31 - 1))), **env_kwargs}
         super().__init__(spec, num_envs=len(env_fns), stagger=training, **env_kwargs)
+
+
+def spec_of(env_id: str) -> EnvSpec:
+    """Spec of an id; the module that it may name ("module:id") is imported first, as ``gym.make`` does."""
+    module, _, name = env_id.rpartition(":")
+    if module:
+        import_module(module)
+    return gym.spec(name)
 
 
 def training_ground(spec: EnvSpec, seed: int) -> dict[str, int]:

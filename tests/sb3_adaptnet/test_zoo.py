@@ -239,6 +239,20 @@ def test_export_writes_a_base_that_acts(tmp_path):
     assert (ours == theirs).all()
 
 
+def test_a_base_that_went_on_is_a_base_again(tmp_path):
+    """What `continue.yml` does: the card names the base it came from, not where its file lay."""
+    first = export(
+        start(settings(tmp_path, samples=64), tmp_path / "first", quiet=True).path, tmp_path / "toy.safetensors"
+    )
+    finetuning = {"policy": "sb3_adaptnet.FinetunePolicy", "policy_kwargs": {"critic_lr": 6.0e-4}}
+    on = RunSettings(TOY, samples=64, conf_file=conf(tmp_path, **finetuning), base=str(first), threads=1)
+    card = json.loads(
+        export(start(on, tmp_path / "on", quiet=True).path, tmp_path / "on.st").with_suffix(".json").read_text()
+    )
+    assert card["kind"] == "base" and card["training"]["ppo"]["policy_kwargs"]["base"] == "toy"
+    assert str(tmp_path) not in json.dumps(card)
+
+
 @pytest.mark.parametrize("words, message", [
     (["train"], "name an environment"),
     (["train", "AdaptNet/Humanoid-Stop-v0"], "no entry for 'AdaptNet/Humanoid-Stop-v0'"),
