@@ -45,7 +45,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--motion", metavar="NAME|FILE", help="reference clip, for environments that take motion=")
     parser.add_argument("--base", metavar="NAME|FILE", help="base of the adaptation, where it is not found by itself")
     parser.add_argument("--alpha", type=float, help="strength of the adaptation: 0 is the base, 1 the default")
-    words = "adaptations of the same base to blend, as in walk-stoop,walk-limp or walk-stoop=0.3,walk-limp=0.7"
+    words = "adaptations of the same base to blend, as in walk-stoop,walk-penguin or walk-stoop=0.3,walk-penguin=0.7"
     parser.add_argument("--styles", type=styles_of, default={}, metavar="A,B", help=words)
     parser.add_argument("--threads", type=int, help="threads of networks and physics; default: all cores")
 
