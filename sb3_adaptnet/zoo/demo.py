@@ -27,7 +27,7 @@ from sb3_adaptnet.zoo.run_folder import RUNS, RunFolder, RunSettings
 from sb3_adaptnet.zoo.train import INTERRUPTED, positive
 from sb3_adaptnet.zoo.training import build_learner, learn
 
-SAMPLES, MINUTES, SECONDS = 400_000, 5.0, 300.0
+SAMPLES, MINUTES, SECONDS = 900_000, 6.5, 300.0
 """Training's budget, whichever ends first, and simulated seconds of each evaluation: under 10 minutes in all."""
 FILM_SECONDS, SHORTEST_FILM = 7.0, 1.0
 PAGE = "index.html"
