@@ -52,13 +52,13 @@ class RunSaver(BaseCallback):
         return not self._stop
 
     def _on_rollout_start(self) -> None:
-        now = time.monotonic()
-        self.seconds, self._clock = self.seconds + now - self._clock, now
-        if now - self._saved > 60.0 * self.minutes:
+        if time.monotonic() - self._saved > 60.0 * self.minutes:
             self.save()
 
     def save(self) -> None:
         """Write a checkpoint now."""
+        now = time.monotonic()
+        self.seconds, self._clock = self.seconds + now - self._clock, now
         self.folder.save(snapshot(self.model, self.discriminators, self.seconds))
         self._saved = time.monotonic()
 
