@@ -10,7 +10,14 @@ from adapt_envs.observation import Observations, rows_of
 from adapt_envs.rendering import SceneRenderer, Window
 from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
 from adapt_envs.tasks.termination import DIVERGED, ENDS, RUNNING, TIME
-from adapt_envs.vector_env import RENDER_FPS, apply_options, check_render_mode, set_push_scale, spaces_of
+from adapt_envs.vector_env import (
+    RENDER_FPS,
+    apply_options,
+    check_render_mode,
+    set_goal_spread,
+    set_push_scale,
+    spaces_of,
+)
 from adapt_envs.worlds import Worlds
 
 _ALL = np.zeros(1, np.int64)
@@ -74,7 +81,8 @@ class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
 
     ## Arguments
     See `__init__`; `reset(options={"goal_heading": rad, "goal_speed": m/s, "start": number})` holds the goal ahead in a
-    world direction and names the start state. `set_goal` does so at any time. `push_scale` scales the force of pushes.
+    world direction and names the start state. `set_goal` does so at any time. `push_scale` scales the force of pushes,
+    `goal_spread` narrows where goals are drawn from.
 
     ## Version history
     * v0: initial version.
@@ -130,6 +138,15 @@ class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
     @push_scale.setter
     def push_scale(self, scale: float) -> None:
         set_push_scale(self.worlds, scale)
+
+    @property
+    def goal_spread(self) -> float:
+        """Share of the circle, centred straight ahead, that goals are drawn from; 1 unless set."""
+        return self.worlds.goals.spread
+
+    @goal_spread.setter
+    def goal_spread(self, share: float) -> None:
+        set_goal_spread(self.worlds, share)
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:

@@ -56,6 +56,11 @@ def heading(q: Array) -> Array:
     return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
+def wrapped(angle: Array) -> Array:
+    """Angles (...) in radians brought into [-pi, pi)."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
 def from_intrinsic_xyz(angles: Array) -> Array:
     """Quaternions (..., 4) of Rx Ry Rz from angles (..., 3) in radians: the order of the character's joints."""
     x, y, z = np.eye(3)

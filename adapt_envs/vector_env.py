@@ -63,6 +63,17 @@ def set_push_scale(worlds: Worlds, scale: float) -> None:
     worlds.pushes.scale = float(scale)
 
 
+def set_goal_spread(worlds: Worlds, share: float) -> None:
+    """Set the share of the circle, centred straight ahead, that goals are drawn from.
+
+    Raises:
+        ValueError: for a share outside [0, 1].
+    """
+    if not 0 <= share <= 1:
+        raise ValueError(f"goal_spread is {share!r}, expected a share of the circle from 0 (ahead) to 1 (anywhere)")
+    worlds.goals.spread = float(share)
+
+
 class AdaptVectorEnv(gym.vector.VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]):
     """N worlds of one task, stepped together; ended worlds restart in the same step.
 
@@ -146,6 +157,15 @@ class AdaptVectorEnv(gym.vector.VectorEnv[Observations, NDArray[np.float32], NDA
     @push_scale.setter
     def push_scale(self, scale: float) -> None:
         set_push_scale(self.worlds, scale)
+
+    @property
+    def goal_spread(self) -> float:
+        """Share of the circle, centred straight ahead, that goals are drawn from; 1 unless set."""
+        return self.worlds.goals.spread
+
+    @goal_spread.setter
+    def goal_spread(self, share: float) -> None:
+        set_goal_spread(self.worlds, share)
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:

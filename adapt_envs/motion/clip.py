@@ -75,8 +75,8 @@ class MotionClip:
     @cached_property
     def cycle_transform(self) -> tuple[float, NDArray[np.float64]]:
         """Turn about z [rad] and displacement (2,) [m] of one period: frame T - 1 from frame 0."""
-        turn = float(rotations.heading(self.qpos[-1, 3:7]) - rotations.heading(self.qpos[0, 3:7]))
-        yaw = (turn + np.pi) % (2 * np.pi) - np.pi
+        turn = rotations.heading(self.qpos[-1, 3:7]) - rotations.heading(self.qpos[0, 3:7])
+        yaw = float(rotations.wrapped(turn))
         first, last = self.qpos[0, :2], self.qpos[-1, :2]
         return yaw, last - _turn(first, np.asarray(yaw))
 

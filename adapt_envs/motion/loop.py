@@ -72,7 +72,7 @@ def closed(draft: Draft, cycle: Cycle) -> Draft:
     part = part.moved(-start)
     share = np.linspace(0, 1, len(part))
     turn = rotations.heading(part.qpos[-1, 3:7]) - rotations.heading(part.qpos[0, 3:7])
-    part = part.turned(-((turn + np.pi) % (2 * np.pi) - np.pi) * share)
+    part = part.turned(-rotations.wrapped(turn) * share)
     part = part.moved(np.outer(share, [0, 0, part.qpos[0, 2] - part.qpos[-1, 2]]))
     travel = part.qpos[-1, :2] - part.qpos[0, :2]
     course = np.arctan2(travel[1], travel[0]) if np.hypot(*travel) > 0.1 else rotations.heading(part.qpos[0, 3:7])

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs import rotations
 from adapt_envs.model.humanoid import LINKS
 from adapt_envs.motion.clip import MotionError
 from adapt_envs.motion.draft import Draft, angles_within, from_poses, joint_columns, joint_names
@@ -106,7 +107,7 @@ def _poses(file: _File, frames: list[Any], links: list[str]) -> NDArray[np.float
             qpos[:, columns] = angles_within(quats, _JOINT_OF[link])
         else:  # a hinge about y: what turns about other axes has no joint to go to
             angle = 2 * np.arctan2(quats[:, 2], quats[:, 0])
-            qpos[:, columns[0]] = (angle + np.pi) % (2 * np.pi) - np.pi
+            qpos[:, columns[0]] = rotations.wrapped(angle)
     return qpos
 
 

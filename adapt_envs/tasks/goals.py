@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs import rotations
 from adapt_envs.model.ground import Ground
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.tasks.goal import draw_targets
@@ -18,6 +19,7 @@ class Goals:
         distance: (N,) distance to the target when it was drawn [m].
         held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are drawn at random.
         held_speed: (N,) preferred speed [m/s] the goal is held at.
+        spread: share of the circle, centred straight ahead, that drawn headings come from; 1 is the paper's.
     """
 
     def __init__(
@@ -31,6 +33,7 @@ class Goals:
         self.distance = np.zeros(num_worlds, np.float32)
         self.held_heading = np.full(num_worlds, np.nan)
         self.held_speed = np.ones(num_worlds)
+        self.spread = 1.0
 
     def hold(self, ids: NDArray[np.integer], heading: float | None, speed: float | None) -> None:
         """Hold the goals of the worlds `ids`, from their next draw on; None for either frees them."""
@@ -43,7 +46,13 @@ class Goals:
         self.steps_left -= 1
         return (self.steps_left <= 0) | ~np.isnan(self.held_heading)
 
-    def draw(self, ids: NDArray[np.integer], root_xy: NDArray[np.floating], rng: np.random.Generator) -> None:
+    def draw(
+        self,
+        ids: NDArray[np.integer],
+        root_xy: NDArray[np.floating],
+        root_heading: NDArray[np.floating],
+        rng: np.random.Generator,
+    ) -> None:
         """Draw new goals (paper, app. A): direction uniform, speed and timer from their ranges; or held ones.
 
         On bounded ground targets keep 3 m inside their patch and out of obstacles.
@@ -51,13 +60,17 @@ class Goals:
         Args:
             ids: (n,) worlds.
             root_xy: (n, 2) positions of their roots [m], world.
+            root_heading: (n,) their headings [rad], world.
             rng: source of randomness.
         """
         if not len(ids):
             return
         held = ~np.isnan(self.held_heading[ids])
         speed = np.where(held, self.held_speed[ids], rng.uniform(*self.speed_range, len(ids)))
-        heading = np.where(held, self.held_heading[ids], rng.uniform(0, 2 * np.pi, len(ids)))
+        heading = rng.uniform(0, 2 * np.pi, len(ids))
+        if self.spread < 1:
+            heading = root_heading + self.spread * rotations.wrapped(heading - root_heading)
+        heading = np.where(held, self.held_heading[ids], heading)
         # A held goal keeps the longest distance a drawn one can have: far enough never to be reached.
         seconds = np.where(held, self.timer_range[1], rng.uniform(*self.timer_range, len(ids)))
         target, distance = draw_targets(root_xy, heading, speed, seconds), speed * seconds

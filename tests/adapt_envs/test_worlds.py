@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from adapt_envs import env_id, make_vector
+from adapt_envs import env_id, make_vector, rotations
 from adapt_envs.suite import SUITE, preferred_speeds
 from adapt_envs.tasks.goal import draw_targets, goal_observation, goal_reward
 from adapt_envs.tasks.termination import DIVERGED, ENDS, FALL, LOST, TIME, ends
@@ -79,6 +79,21 @@ def test_goals_are_redrawn_when_the_timer_ends_and_not_before():
         assert np.array_equal(changed, (left <= 1) | restarted)
         assert (goals.steps_left >= 1).all()
         assert (goals.steps_left <= 150).all()
+
+
+def test_goals_come_from_a_share_of_the_circle_ahead():
+    env = make_vector(env_id("Run"), 256)
+    env.goal_spread = 0.25
+    env.reset(seed=0)
+    assert env.goal_spread == 0.25
+    worlds = env.worlds
+    offset = worlds.goals.target - worlds.root_xy
+    off_ahead = rotations.wrapped(np.arctan2(offset[:, 1], offset[:, 0]) - worlds.root_heading)
+    assert np.abs(off_ahead).max() == pytest.approx(np.pi / 4, abs=0.05)
+    assert np.abs(off_ahead.mean()) < 0.1
+    with pytest.raises(ValueError, match=r"1\.5"):
+        env.goal_spread = 1.5
+    assert env.goal_spread == 0.25
 
 
 def test_a_held_goal_stays_ahead():

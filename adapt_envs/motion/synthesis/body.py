@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs import rotations
 from adapt_envs.motion.synthesis.feet import FootPath
 from adapt_envs.motion.synthesis.gait import Arm, Gait
 from adapt_envs.motion.synthesis.legs import HIP, REACH, euler_xyz, leg_angles, rot_x, rot_y, rot_z
@@ -85,7 +86,7 @@ def _arm(arm: Arm, phase: Array, scale: Array, side: int) -> Array:
 def _leg(gait: Gait, course: Course, pelvis: Array, root: Array, side: int) -> Array:
     foot = course.feet[side]
     facing = np.arctan2(pelvis[:, 1, 0], pelvis[:, 0, 0])
-    twist = (foot.yaw - facing + np.pi) % (2 * np.pi) - np.pi
+    twist = rotations.wrapped(foot.yaw - facing)
     knee = facing + _KNEE_WITH_FOOT * twist + np.radians(gait.knee_out) * (2 * side - 1)
     hip = hips(pelvis, root)[side]
     span = foot.ankle - hip
