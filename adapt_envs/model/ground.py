@@ -27,6 +27,8 @@ TARGET_MARGIN, SPAWN_MARGIN = 0.4, 0.6
 _RUNWAY = np.array([0.0, 0.6, 1.2, 1.8])
 """Distances ahead of a spawn [m] at which no obstacle may be: the motion carries the character on."""
 _ICE = (0.66, 0.84, 1.0)
+_SHADE_AMONG_OBSTACLES = 0.72
+"""They are looked at from above, where the headlight brightens the ground."""
 _FRICTION = 1.0
 
 Array = NDArray[np.floating]
@@ -172,7 +174,8 @@ class Ground:
         """Add the ground to a model; its priority makes its friction the contact's (else the larger of two counts)."""
         material = spec.material("ground")
         slippery = float(np.clip(1 - friction, 0, 1))
-        material.rgba = (*(1 - slippery * (1 - np.array(_ICE))), 1)
+        shade = 1.0 if self.obstacles is None else _SHADE_AMONG_OBSTACLES
+        material.rgba = (*(shade * (1 - slippery * (1 - np.array(_ICE)))), 1)
         material.reflectance += 0.25 * slippery
         if self.surface is not None:
             self.surface.add_to(spec, friction)
