@@ -10,6 +10,7 @@ from stable_baselines3.common.utils import obs_as_tensor
 
 from sb3_adaptnet.buffer import ObjectiveRolloutBuffer
 from sb3_adaptnet.imitation import ImitationObjective
+from sb3_adaptnet.points import Points, numbers_of, value_at
 from sb3_adaptnet.rollout import Rollout
 from sb3_adaptnet.steering import KL_RANGE, steer
 from sb3_adaptnet.windows import pose_windows, reference_windows
@@ -36,7 +37,7 @@ class DiscriminatorRewardCallback(BaseCallback):
 
     def __init__(
         self,
-        objective_weights: Mapping[str, float] | None = None,
+        objective_weights: Mapping[str, Points] | None = None,
         terminal_reward: float = -10.0,
         kl_range: tuple[float, float] | None = KL_RANGE,
         actor_lr_range: tuple[float, float] = (1e-6, 1e-3),
@@ -48,7 +49,8 @@ class DiscriminatorRewardCallback(BaseCallback):
 
         Args:
             objective_weights: Name to weight (w_k of eq. 9). "imitation" is the discriminators' reward, "goal" the
-                environment's; every other name stands in ``reward_terms``. Default: 0.5 and 0.5.
+                environment's; every other name stands in ``reward_terms``. Default: 0.5 and 0.5. A weight is a number,
+                or samples -> number, joined by straight lines: ``{0: 0.5, 1_000_000: 0.2}``.
             terminal_reward: Reward of every objective where an episode ended by a fall, lost or diverged.
             kl_range: Range of the KL divergence to steer the actor's step size to; None keeps it fixed.
             actor_lr_range: Smallest and largest effective learning rate of the actor.
@@ -61,7 +63,7 @@ class DiscriminatorRewardCallback(BaseCallback):
             ValueError: If an objective has no reward, a weight is negative, or a range is the wrong way round.
         """
         super().__init__(verbose)
-        self.weights = dict(objective_weights or DEFAULT_WEIGHTS)
+        self.weights: dict[str, Points] = dict(objective_weights or DEFAULT_WEIGHTS)
         self.reward_terms = dict(reward_terms or {})
         self.terminal_reward = float(terminal_reward)
         self.kl_range = (float(kl_range[0]), float(kl_range[1])) if kl_range is not None else None
@@ -81,7 +83,7 @@ class DiscriminatorRewardCallback(BaseCallback):
                 f"DiscriminatorRewardCallback needs one of this package's policies (AdaptNetPolicy, PretrainPolicy), "
                 f"not {type(model.policy).__name__}"
             )
-        model.policy.set_objectives(list(self.weights.values()))
+        model.policy.set_objectives(self._weights_now())
         self._stock_normalize_advantage = model.normalize_advantage
         model.normalize_advantage = False  # advantages are standardised per objective already
         self._install_buffer()
@@ -89,6 +91,9 @@ class DiscriminatorRewardCallback(BaseCallback):
         if self.imitation is None:
             self.rng = np.random.default_rng(model.seed)
             self._build_discriminators()
+
+    def _weights_now(self) -> list[float]:
+        return [value_at(weight, self.model.num_timesteps) for weight in self.weights.values()]
 
     def _install_buffer(self) -> None:
         model: Any = self.model
@@ -118,6 +123,8 @@ class DiscriminatorRewardCallback(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         self.rollout.clear()
+        model: Any = self.model
+        model.policy.set_objectives(self._weights_now())
         kl = self.logger.name_to_value.get("train/approx_kl")  # of the update between the two rollouts
         self.kl = float(kl) if kl is not None else None
         if self.kl_range is not None and self.kl is not None:
@@ -143,7 +150,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         columns[self.rollout.terminated] = self.terminal_reward
         last_values = self._bootstrap(columns)
         model: Any = self.model
-        model.rollout_buffer.finish(columns, last_values, list(self.weights.values()), model.policy.value_norm)
+        model.rollout_buffer.finish(columns, last_values, model.policy.objective_weights, model.policy.value_norm)
         self._record(statistics)
 
     def _imitate(self) -> dict[str, float]:
@@ -212,7 +219,7 @@ def stack_observations(terminal: list[Any], last: Any) -> Any:
 
 
 def _check(
-    weights: Mapping[str, float],
+    weights: Mapping[str, Points],
     terms: Mapping[str, RewardTerm],
     kl_range: tuple[float, float] | None,
     lr_range: tuple[float, float],
@@ -221,7 +228,7 @@ def _check(
     for name, weight in weights.items():
         if name not in known:
             raise ValueError(f"objective {name!r} has no reward; known are: {', '.join(known)} (see reward_terms)")
-        if not weight >= 0.0:
+        if not all(number >= 0.0 for number in numbers_of(weight)):
             raise ValueError(f"the weight of objective {name!r} must not be negative, but is {weight}")
     for label, bounds in (("kl_range", kl_range), ("actor_lr_range", lr_range)):
         if bounds is not None and not 0.0 < bounds[0] <= bounds[1]:

@@ -162,6 +162,23 @@ def test_actor_step_size_follows_the_kl():
     assert model.policy.optimizer.group("critic")["lr_scale"] == 1.0
 
 
+def test_weights_change_with_the_samples():
+    weights = {"imitation": {0: 0.6, 256: 0.6, 768: 0.2}, "goal": {0: 0.4, 256: 0.4, 768: 0.8}}
+    callback, seen = DiscriminatorRewardCallback(weights, discriminator=DISCRIMINATOR), []
+
+    def check(model):
+        buffer = model.rollout_buffer
+        raw = buffer.returns - buffer.values
+        standard = (raw - raw.mean((0, 1))) / (raw.std((0, 1)) + 1e-8)
+        seen.append(np.linalg.lstsq(standard.reshape(-1, 2), buffer.advantages.reshape(-1), rcond=None)[0])
+
+    model = make_model()
+    model.learn(16 * 16 * 5, callback=[callback, Check(check)])
+    # A rollout of 256 samples has the weights of its start.
+    np.testing.assert_allclose(seen, [(0.6, 0.4), (0.6, 0.4), (0.4, 0.6), (0.2, 0.8), (0.2, 0.8)], atol=1e-3)
+    assert model.policy.objective_weights == pytest.approx((0.2, 0.8))
+
+
 def test_a_run_goes_on_with_the_same_callback():
     model, callback = make_model(), make_callback()
     model.learn(16 * 16, callback=callback)
@@ -182,6 +199,8 @@ def test_refuses_what_it_cannot_use():
         DiscriminatorRewardCallback({"speed": 1.0})
     with pytest.raises(ValueError, match="'goal'.*-0.1"):
         DiscriminatorRewardCallback({"goal": -0.1})
+    with pytest.raises(ValueError, match="'goal'.*-0.2"):
+        DiscriminatorRewardCallback({"goal": {0: 0.5, 1000: -0.2}})
     with pytest.raises(ValueError, match="kl_range"):
         DiscriminatorRewardCallback(kl_range=(0.03, 0.012))
     stock = PPO("MlpPolicy", DummyVecEnv([ToyEnv]), n_steps=16)

@@ -16,6 +16,7 @@ import yaml
 from adapt_envs import SUITE, env_id
 from sb3_adaptnet import FinetunePolicy, hyperparameters, load_policy
 from sb3_adaptnet.hyperparameters import experiment
+from sb3_adaptnet.points import value_at
 from sb3_adaptnet.resources import zoo_config_path
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.zoo.command import main
@@ -69,7 +70,9 @@ def test_every_environment_has_an_entry(file, name):
     assert entry.ppo["gamma"] == {"ppo": 0.98, "paper": 0.95}[file]
     assert entry.ppo["gae_lambda"] == 0.95 and entry.ppo["clip_range"] == 0.2
     (_, callback), *_ = entry.callbacks
-    assert sum(callback["objective_weights"].values()) == pytest.approx(1.0)
+    for samples in (0, entry.samples):
+        weights = [value_at(weight, samples) for weight in callback["objective_weights"].values()]
+        assert sum(weights) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("name", ["Walk", "Run"])
