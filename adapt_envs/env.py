@@ -153,6 +153,11 @@ class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
         """(5, 15, 7) poses up to the last transition: what discriminators see."""
         return self.worlds.windows[0]
 
+    @property
+    def footing(self) -> float:
+        """In (0, 1]: how little the feet slid in the last transition; an objective beside goal and imitation."""
+        return float(self.worlds.footing[0])
+
     def sample_reference_windows(self, n: int, rng: np.random.Generator) -> NDArray[np.float32]:
         """`n` windows (n, 5, 15, 7) of the reference motion, laid out as `pose_windows`."""
         return self.worlds.reference.sample_windows(n, rng)

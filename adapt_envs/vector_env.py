@@ -172,6 +172,11 @@ class AdaptVectorEnv(gym.vector.VectorEnv[Observations, NDArray[np.float32], NDA
         """(N, 5, 15, 7) poses up to the last transition, before any restart: what discriminators see."""
         return self.worlds.windows
 
+    @property
+    def footing(self) -> NDArray[np.float64]:
+        """(N,) in (0, 1]: how little the feet slid in the last transition; an objective beside goal and imitation."""
+        return self.worlds.footing
+
     def sample_reference_windows(self, n: int, rng: np.random.Generator) -> NDArray[np.float32]:
         """`n` windows (n, 5, 15, 7) of the reference motion, laid out as `pose_windows`."""
         return self.worlds.reference.sample_windows(n, rng)

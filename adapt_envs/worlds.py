@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs import rotations
-from adapt_envs.features import WINDOW_FRAMES, heading_frame_features, observations, pose_windows
+from adapt_envs.features import POSE, WINDOW_FRAMES, heading_frame_features, observations, pose_windows
 from adapt_envs.heightmap import heightmaps
 from adapt_envs.kinematics import LINK_STATE
 from adapt_envs.model.build import build_character, compile_model
@@ -22,6 +22,7 @@ from adapt_envs.physics import PhysicsBatch
 from adapt_envs.spawn import moved, standing_lift
 from adapt_envs.suite import TaskSpec, preferred_speeds
 from adapt_envs.tables import entry
+from adapt_envs.tasks.footing import footing_reward, sole_corners
 from adapt_envs.tasks.goal import goal_observation, goal_reward
 from adapt_envs.tasks.goals import Goals
 from adapt_envs.tasks.push import Pushes
@@ -81,6 +82,11 @@ class Worlds:
     def windows(self) -> NDArray[np.float32]:
         """(N, 5, 15, 7) pose windows of the last step's transitions, before any reset."""
         return pose_windows(self._features)
+
+    @property
+    def footing(self) -> NDArray[np.float64]:
+        """(N,) how little the feet slid in the last step, in (0, 1]; see `footing_reward`."""
+        return footing_reward(self._features[..., :POSE], sole_corners(self.model))
 
     def reset(self, ids: NDArray[np.integer], start: int | None = None) -> Observations:
         """Start the worlds `ids` anew from states of the motion with new goals; held goals stay held.

@@ -1,6 +1,6 @@
 """Turns stock PPO into the paper's multi-objective imitation learner (sec. 6, eqs. 9-12)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,10 @@ from sb3_adaptnet.imitation import ImitationObjective
 from sb3_adaptnet.points import Points, numbers_of, value_at
 from sb3_adaptnet.rollout import Rollout
 from sb3_adaptnet.steering import KL_RANGE, steer
+from sb3_adaptnet.terms import TERMS, RewardTerm
 from sb3_adaptnet.windows import pose_windows, reference_windows
 
 IMITATION, GOAL = "imitation", "goal"
-RewardTerm = Callable[[dict[str, Any]], np.ndarray]
 DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}  # the paper, app. B; motion styles take 0.35 and 0.65
 
 
@@ -49,7 +49,8 @@ class DiscriminatorRewardCallback(BaseCallback):
 
         Args:
             objective_weights: Name to weight (w_k of eq. 9). "imitation" is the discriminators' reward, "goal" the
-                environment's; every other name stands in ``reward_terms``. Default: 0.5 and 0.5. A weight is a number,
+                environment's; every other name stands in ``reward_terms`` or in ``sb3_adaptnet.terms.TERMS``, as
+                "footing" does. Default: 0.5 and 0.5. A weight is a number,
                 or samples -> number, joined by straight lines: ``{0: 0.5, 1_000_000: 0.2}``.
             terminal_reward: Reward of every objective where an episode ended by a fall, lost or diverged.
             kl_range: Range of the KL divergence to steer the actor's step size to; None keeps it fixed.
@@ -64,7 +65,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         """
         super().__init__(verbose)
         self.weights: dict[str, Points] = dict(objective_weights or DEFAULT_WEIGHTS)
-        self.reward_terms = dict(reward_terms or {})
+        self.reward_terms = {**TERMS, **(reward_terms or {})}
         self.terminal_reward = float(terminal_reward)
         self.kl_range = (float(kl_range[0]), float(kl_range[1])) if kl_range is not None else None
         self.actor_lr_range = (float(actor_lr_range[0]), float(actor_lr_range[1]))

@@ -11,10 +11,9 @@ from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import CONTROL_DT, FEET
 from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.dynamics import GRAVITY, momentum
+from adapt_envs.tasks.footing import TOUCHING, sole_corners
 
 Array = NDArray[np.float64]
-_NEAR_GROUND = 0.015
-"""A foot corner lower than this touches the ground [m]."""
 _SUPPORT_MARGIN = 0.05
 """A zero-moment point this near to the support polygon counts as inside [m]."""
 _UNLOADED = 0.1
@@ -105,7 +104,7 @@ def check(clip: MotionClip, kind: str = "walk") -> Quality:
     motion = momentum(model, qpos, CONTROL_DT)
     inner = corners[2:-2]
     slip = slip_speeds(inner if clip.cyclic else corners)
-    grounded = (inner[..., 2] < _NEAR_GROUND).any(axis=1)
+    grounded = (inner[..., 2] < TOUCHING).any(axis=1)
     flights = motion.com_acc[~grounded, 2]
     inside = support_distance(motion.zmp, inner)[grounded & (motion.force > _UNLOADED)] <= _SUPPORT_MARGIN
     low, high = np.percentile(motion.force, [2, 98])
@@ -143,10 +142,7 @@ def _holds(bars: Bars, values: dict[str, float | None]) -> bool:
 def foot_corners(model: mujoco.MjModel, qpos: Array) -> Array:
     """The eight lower corners of both feet's boxes (T, 8, 3) [m], world: four of the right foot, four of the left."""
     data = mujoco.MjData(model)
-    geoms = [model.geom(name) for name in FEET]
-    signs = np.array([(1, 1, -1), (1, -1, -1), (-1, -1, -1), (-1, 1, -1)])
-    local = [geom.pos + signs * geom.size for geom in geoms]
-    bodies = [int(geom.bodyid[0]) for geom in geoms]
+    local, bodies = sole_corners(model), [int(model.geom(name).bodyid[0]) for name in FEET]
     corners = np.empty((len(qpos), 8, 3))
     for row, position in enumerate(qpos):
         data.qpos[:] = position
@@ -161,7 +157,7 @@ def slip_speeds(corners: Array) -> Array:
     lowest = corners[:-1, :, 2].argmin(axis=1)
     rows = np.arange(len(lowest))
     before, after = corners[rows, lowest], corners[rows + 1, lowest]
-    near = (before[:, 2] < _NEAR_GROUND) & (after[:, 2] < _NEAR_GROUND)
+    near = (before[:, 2] < TOUCHING) & (after[:, 2] < TOUCHING)
     return 100 * FPS * np.linalg.norm((after - before)[near, :2], axis=1)
 
 
@@ -177,7 +173,7 @@ def support_distance(points: Array, corners: Array) -> Array:
 
     0 inside; infinite where nothing touches.
     """
-    return np.array([_hull_distance(p, c[c[:, 2] < _NEAR_GROUND, :2]) for p, c in zip(points, corners, strict=True)])
+    return np.array([_hull_distance(p, c[c[:, 2] < TOUCHING, :2]) for p, c in zip(points, corners, strict=True)])
 
 
 def _hull_distance(point: Array, hull: Array) -> float:

@@ -1,0 +1,27 @@
+"""Objectives beyond the paper's two that environments reward themselves, by name."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+RewardTerm = Callable[[dict[str, Any]], np.ndarray]
+"""PPO's local variables at a step to rewards (N,)."""
+
+
+def environments_own(attribute: str, step: dict[str, Any]) -> np.ndarray:
+    """Rewards (N,) of the transition just made, which the environments keep under this name.
+
+    Raises:
+        ValueError: If they have none.
+    """
+    env = step["env"]
+    try:
+        return np.asarray(env.get_attr(attribute), np.float32)
+    except AttributeError as error:
+        raise ValueError(f"the objective {attribute!r} needs environments with the attribute {attribute!r}") from error
+
+
+TERMS: dict[str, RewardTerm] = {"footing": partial(environments_own, "footing")}
+"""Reward terms by name: feet that stay where they stand."""
