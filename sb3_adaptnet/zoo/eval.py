@@ -8,6 +8,7 @@ from typing import Any
 
 from adapt_envs.motion.sheet import video_frames, write_sheet
 from sb3_adaptnet.evaluation.alpha import alpha_clips
+from sb3_adaptnet.evaluation.before_after import write_before_after
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
 from sb3_adaptnet.evaluation.pictures import write_frames, write_strip
 from sb3_adaptnet.evaluation.report import text_table
@@ -30,6 +31,9 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a contact sheet of it going straight on")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="film it going to targets")
     parser.add_argument("--strip", type=Path, metavar="FILE.png", help="draw an adaptation at alpha 0, 0.25, ..., 1")
+    parser.add_argument(
+        "--before-after", type=Path, metavar="FILE.png", help="draw an adaptation and its base in the same world"
+    )
     parser.set_defaults(run=run)
 
 
@@ -48,17 +52,16 @@ def run(options: argparse.Namespace) -> int:
     """Measure, print, draw."""
     check_outputs(options)
     actor = open_actor(options)
-    if options.strip is not None and not isinstance(actor.policy, AdaptNetPolicy):
-        raise ValueError(f"--strip needs an adaptation; {actor.name!r} is none")
+    for option, path in (("--strip", options.strip), ("--before-after", options.before_after)):
+        if path is not None and not isinstance(actor.policy, AdaptNetPolicy):
+            raise ValueError(f"{option} needs an adaptation; {actor.name!r} is none")
     found = evaluate(actor.policy, actor.env, options.seconds, options.seed, Bar("walking"))
     if options.json:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
     else:
         print(text_table({actor.name: found.figures}))
     drawn = draw(actor, found, options.sheet, options.video)
-    if options.strip is not None:
-        draw_strip(actor, options.strip, options.seed)
-        drawn.append(options.strip)
+    drawn += draw_alphas(actor, options.strip, options.before_after, options.seed)
     for path in () if options.json else drawn:
         print(f"wrote {path}")
     return 0
@@ -70,9 +73,8 @@ def check_outputs(options: argparse.Namespace) -> None:
     Raises:
         ValueError: for an extension that is no picture's or video's, or a folder that does not exist.
     """
-    for path, suffixes in zip(
-        (options.sheet, options.strip, options.video), ((".png",), (".png",), (".mp4", ".gif")), strict=True
-    ):
+    pictures, films = (options.sheet, options.strip, options.before_after), (options.video,)
+    for path, suffixes in [(path, (".png",)) for path in pictures] + [(path, (".mp4", ".gif")) for path in films]:
         if path is None:
             continue
         if path.suffix.lower() not in suffixes:
@@ -95,7 +97,11 @@ def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None
     return [path for path in (sheet, video) if path is not None]
 
 
-def draw_strip(actor: Actor, path: Path, seed: int) -> None:
-    """Draw one pose of an adaptation at each of five alphas (see `pictures.pose_strip`)."""
+def draw_alphas(actor: Actor, strip: Path | None, before_after: Path | None, seed: int) -> list[Path]:
+    """Draw an adaptation at five alphas, or with its base in the same world, where asked for; return the pictures."""
     if isinstance(actor.policy, AdaptNetPolicy):
-        write_strip(alpha_clips(actor.policy, actor.env, seed=seed), path)
+        if strip is not None:
+            write_strip(alpha_clips(actor.policy, actor.env, seed=seed), strip)
+        if before_after is not None:
+            write_before_after(actor.policy, actor.env, before_after, seed)
+    return [path for path in (strip, before_after) if path is not None]

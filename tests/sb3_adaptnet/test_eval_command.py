@@ -47,6 +47,12 @@ def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys):
     assert json.loads(capsys.readouterr().out) == without != adapted
 
 
+def test_a_picture_of_an_adaptation_and_its_base(tiny):
+    pair = tiny[1].with_name("pair.png")
+    assert main(["eval", str(tiny[1]), "--seconds", "2", "--threads", "1", "--before-after", str(pair)]) == 0
+    assert imageio.imread(pair).shape == (2 * (300 + 32), 7 * 270, 3)
+
+
 @pytest.mark.parametrize(
     "words, complaint",
     [
@@ -55,6 +61,7 @@ def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys):
         (["BASE", "--alpha", "0.5"], "need an adaptation"),
         (["BASE", "--sheet", "sheet.jpg"], "the extension must be .png"),
         (["BASE", "--strip", "strip.png"], "--strip needs an adaptation"),
+        (["BASE", "--before-after", "pair.png"], "--before-after needs an adaptation"),
         (["BASE", "--video", "no/such/folder/film.mp4"], "does not exist"),
         (["BASE", "--seconds", "0.01"], "one step of 20 worlds"),
     ],

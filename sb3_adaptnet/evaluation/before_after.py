@@ -1,0 +1,94 @@
+"""An adaptation and its base in the same world from the same start, drawn beneath each other as time goes on."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PilImage
+
+from adapt_envs import AdaptVectorEnv
+from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.rendering import HIGH, SceneRenderer
+from adapt_envs.scene import Camera, Image
+from sb3_adaptnet.evaluation.pictures import captioned
+from sb3_adaptnet.policy import AdaptNetPolicy
+
+SECONDS, COLUMNS = 6.0, 7
+_TILE = (270, 300)
+_CAMERA = Camera(azimuth=120, elevation=-14, distance=5.6, fovy=28)
+_BLANK = 250
+_ROWS = {"before": 0.0, "after": 1.0}
+"""Caption and alpha."""
+
+
+def first_ends(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, steps: int) -> NDArray[np.int64]:
+    """Step (N,) in which each world's first episode ended; `steps` where it did not."""
+    ends = np.full(env.num_envs, steps)
+    observations, _ = env.reset(seed=seed)
+    for step in range(steps):
+        actions, _ = policy.predict(observations, deterministic=True)
+        observations, _, terminated, _, _ = env.step(actions)
+        ends[terminated] = np.minimum(ends[terminated], step)
+    return ends
+
+
+def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> Image:
+    """Pictures (height, width, 3) of six seconds in one world: the base above, the adaptation below.
+
+    Of the worlds in which the adaptation lasts longest it is the one in which the base lasts as long as it usually does
+    there; a row ends with a fall. The policy keeps its alpha.
+
+    Args:
+        policy: an adaptation.
+        env: worlds without a time limit (`open_worlds`).
+        seed: of start states and goals.
+
+    Raises:
+        RenderingError: if this machine cannot draw.
+    """
+    kept, steps = policy.alpha, round(SECONDS / CONTROL_DT)
+    env.set_goal(None, None)
+    ends = {}
+    try:
+        for caption, alpha in _ROWS.items():
+            policy.alpha = alpha
+            ends[caption] = first_ends(policy, env, seed, steps)
+        world = _typical(ends["before"], ends["after"])
+        rows = []
+        for caption, alpha in _ROWS.items():
+            policy.alpha = alpha
+            rows.append(_row(policy, env, seed, caption, world, int(ends[caption][world])))
+    finally:
+        policy.alpha = kept
+    return np.concatenate(rows, axis=0)
+
+
+def write_before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, path: str | Path, seed: int = 0) -> None:
+    """Write `before_after` as a PNG."""
+    PilImage.fromarray(before_after(policy, env, seed)).save(path, format="PNG", optimize=True)
+
+
+def _typical(before: NDArray[np.int64], after: NDArray[np.int64]) -> int:
+    worlds = np.flatnonzero(after == after.max())
+    return int(worlds[before[worlds].argsort(kind="stable")[len(worlds) // 2]])
+
+
+def _row(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, world: int, end: int) -> Image:
+    """Tiles of `world` at equal intervals until its episode ends in step `end`, and of the moment before that."""
+    steps = round(SECONDS / CONTROL_DT)
+    moments = [round(i * steps / (COLUMNS - 1)) for i in range(COLUMNS)]
+    moments = [m for m in moments if m < end] + ([end] if end < steps else [steps])
+    camera = _CAMERA if env.worlds.ground.obstacles is None else HIGH
+    renderer, tiles = SceneRenderer(env.worlds, _TILE), []
+    try:
+        observations, _ = env.reset(seed=seed)
+        for step in range(moments[-1] + 1):
+            if step in moments:
+                ending = ", falling" if step == end < steps else ""
+                tiles.append(captioned(renderer.picture(world, camera), f"{caption}, {step * CONTROL_DT:.1f} s{ending}"))
+            actions, _ = policy.predict(observations, deterministic=True)
+            observations, *_ = env.step(actions)
+    finally:
+        renderer.close()
+    blank = np.full_like(tiles[0], _BLANK)
+    return np.concatenate([*tiles, *[blank] * (COLUMNS - len(tiles))][:COLUMNS], axis=1)
