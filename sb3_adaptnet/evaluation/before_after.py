@@ -84,8 +84,8 @@ def _row(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, w
         observations, _ = env.reset(seed=seed)
         for step in range(moments[-1] + 1):
             if step in moments:
-                ending = ", falling" if step == end < steps else ""
-                tiles.append(captioned(renderer.picture(world, camera), f"{caption}, {step * CONTROL_DT:.1f} s{ending}"))
+                moment = f"{caption}, {step * CONTROL_DT:.1f} s" + (", falling" if step == end < steps else "")
+                tiles.append(captioned(renderer.picture(world, camera), moment))
             actions, _ = policy.predict(observations, deterministic=True)
             observations, *_ = env.step(actions)
     finally:
