@@ -3,6 +3,8 @@
 import torch
 from torch import nn
 
+from sb3_adaptnet.modules.patches import relu_conv
+
 HEIGHTMAP_SIZE = 35  # grid points along each side, 0.1 m apart
 CODE_SIZE = 256  # numbers in the code
 
@@ -25,7 +27,13 @@ class HeightmapEncoder(nn.Module):
 
     def forward(self, heightmap: torch.Tensor) -> torch.Tensor:
         """Encode heights (B, 1, 35, 35) [m, relative to the ground under the root] as (B, 256)."""
-        return self.layers(heightmap)
+        if heightmap.device.type != "cpu" or not torch.is_autocast_enabled("cpu"):
+            return self.layers(heightmap)
+        grid = heightmap.permute(0, 2, 3, 1).to(torch.get_autocast_dtype("cpu"))
+        for layer in self.layers:
+            if isinstance(layer, nn.Conv2d):
+                grid = relu_conv(grid, layer)
+        return grid.flatten(1)
 
 
 def require_heightmap(heightmap: torch.Tensor | None) -> torch.Tensor:

@@ -14,6 +14,7 @@ from sb3_adaptnet.modules.gru import last_state
 from sb3_adaptnet.modules.heightmap import HeightmapEncoder
 from sb3_adaptnet.modules.normalizer import RunningNormalizer, moments_of
 from sb3_adaptnet.modules.observation import Observation, split_observation
+from sb3_adaptnet.modules.patches import relu_conv
 from sb3_adaptnet.modules.popart import PopArtHead
 
 JOINTS = tuple(f"joint_{i}" for i in range(6))
@@ -164,6 +165,41 @@ def test_base_for_unknown_joints_is_refused():
 def test_heightmap_encoder_makes_256_numbers():
     code = HeightmapEncoder()(torch.randn(3, 1, 35, 35))
     assert code.shape == (3, 256)
+
+
+@pytest.mark.parametrize("size, channels, kernel, stride", [(35, 1, 5, 5), (7, 8, 3, 1), (9, 4, 3, 2), (3, 8, 3, 1)])
+def test_convolutions_by_patches_are_convolutions(size, channels, kernel, stride):
+    torch.manual_seed(0)
+    conv = torch.nn.Conv2d(channels, 6, kernel, stride).double()
+    grid = 16 * torch.randn(5, channels, size, size, dtype=torch.float64)  # some outputs reach both ends of ReLU6
+    outs, grads = [], []
+    for layer in (
+        lambda g: torch.nn.functional.relu6(conv(g)),
+        lambda g: relu_conv(g.permute(0, 2, 3, 1), conv).permute(0, 3, 1, 2),
+    ):
+        leaf = grid.clone().requires_grad_()
+        out = layer(leaf)
+        grads.append(torch.autograd.grad(out.square().sum(), [leaf, conv.weight, conv.bias]))
+        outs.append(out)
+    torch.testing.assert_close(outs[1], outs[0])
+    assert (outs[0] == 0).any() and (outs[0] == 6).any()
+    for ours, theirs in zip(grads[1], grads[0], strict=True):
+        torch.testing.assert_close(ours, theirs, check_dtype=False)  # weights' gradients are float32
+
+
+def test_heightmap_codes_in_bfloat16_are_near_those_in_float32():
+    torch.manual_seed(0)
+    encoder, heights = HeightmapEncoder(), torch.randn(64, 1, 35, 35)
+    exact = encoder(heights)
+    with torch.autocast("cpu", torch.bfloat16):
+        short = encoder(heights)
+    assert short.dtype == torch.bfloat16
+    assert (short.float() - exact).abs().max() < 0.02 * exact.abs().max()
+    wanted, found = (
+        torch.autograd.grad(code.float().square().sum(), list(encoder.parameters())) for code in (exact, short)
+    )
+    for ours, theirs in zip(found, wanted, strict=True):
+        assert torch.nn.functional.cosine_similarity(ours.flatten(), theirs.flatten(), dim=0) > 0.99
 
 
 def test_base_that_reads_a_heightmap_says_when_there_is_none():
