@@ -1,6 +1,7 @@
 """An adaptation and its base in the same world from the same start, drawn beneath each other as time goes on."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,22 +22,36 @@ _ROWS = {"before": 0.0, "after": 1.0}
 """Caption and alpha."""
 
 
-def first_ends(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, steps: int) -> NDArray[np.int64]:
-    """Step (N,) in which each world's first episode ended; `steps` where it did not."""
-    ends = np.full(env.num_envs, steps)
+class FirstEnds(NamedTuple):
+    """How each world's first episode ended.
+
+    Attributes:
+        steps: (N,) steps made before the one it ended in; all of them where it went on.
+        reasons: (N,) `info["end"]`, such as "fall"; "" where it went on.
+    """
+
+    steps: NDArray[np.int64]
+    reasons: NDArray[np.str_]
+
+
+def first_ends(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, steps: int) -> FirstEnds:
+    """Run the policy's mean action for `steps` steps."""
+    found = FirstEnds(np.full(env.num_envs, steps), np.full(env.num_envs, "", dtype="<U8"))
     observations, _ = env.reset(seed=seed)
     for step in range(steps):
         actions, _ = policy.predict(observations, deterministic=True)
-        observations, _, terminated, _, _ = env.step(actions)
-        ends[terminated] = np.minimum(ends[terminated], step)
-    return ends
+        observations, _, terminated, _, infos = env.step(actions)
+        first = terminated & (found.reasons == "")
+        if first.any():
+            found.steps[first], found.reasons[first] = step, infos["final_info"]["end"][first]
+    return found
 
 
 def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> Image:
     """Pictures (height, width, 3) of six seconds in one world: the base above, the adaptation below.
 
     Of the worlds in which the adaptation lasts longest it is the one in which the base lasts as long as it usually does
-    there; a row ends with a fall. The policy keeps its alpha.
+    there; a row ends as the episode does, by a fall or, say, lost. The policy keeps its alpha.
 
     Args:
         policy: an adaptation.
@@ -53,11 +68,12 @@ def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> 
         for caption, alpha in _ROWS.items():
             policy.alpha = alpha
             ends[caption] = first_ends(policy, env, seed, steps)
-        world = _typical(ends["before"], ends["after"])
+        world = _typical(ends["before"].steps, ends["after"].steps)
         rows = []
         for caption, alpha in _ROWS.items():
             policy.alpha = alpha
-            rows.append(_row(policy, env, seed, caption, world, int(ends[caption][world])))
+            end = int(ends[caption].steps[world]), str(ends[caption].reasons[world])
+            rows.append(_row(policy, env, seed, caption, world, *end))
     finally:
         policy.alpha = kept
     return np.concatenate(rows, axis=0)
@@ -73,8 +89,10 @@ def _typical(before: NDArray[np.int64], after: NDArray[np.int64]) -> int:
     return int(worlds[before[worlds].argsort(kind="stable")[len(worlds) // 2]])
 
 
-def _row(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, world: int, end: int) -> Image:
-    """Tiles of `world` at equal intervals until its episode ends in step `end`, and of the moment before that."""
+def _row(
+    policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, world: int, end: int, reason: str
+) -> Image:
+    """Tiles of `world` at equal intervals until its episode ends after `end` steps, and of the moment before that."""
     steps = round(SECONDS / CONTROL_DT)
     moments = [round(i * steps / (COLUMNS - 1)) for i in range(COLUMNS)]
     moments = [m for m in moments if m < end] + ([end] if end < steps else [steps])
@@ -84,7 +102,7 @@ def _row(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, w
         observations, _ = env.reset(seed=seed)
         for step in range(moments[-1] + 1):
             if step in moments:
-                moment = f"{caption}, {step * CONTROL_DT:.1f} s" + (", falling" if step == end < steps else "")
+                moment = f"{caption}, {step * CONTROL_DT:.1f} s" + (f", {reason}" if step == end < steps else "")
                 tiles.append(captioned(renderer.picture(world, camera), moment))
             actions, _ = policy.predict(observations, deterministic=True)
             observations, *_ = env.step(actions)
