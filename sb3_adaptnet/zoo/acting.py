@@ -75,11 +75,14 @@ def trained_in(policy: str) -> tuple[str, str | None]:
     Raises:
         ValueError: if the card names no environment.
     """
-    card = read_weights(resolve(policy))[1]
+    file = resolve(policy)
+    card = read_weights(file)[1]
     environment = card.get("environment")
     if not isinstance(environment, str):
         raise ValueError(f"{policy!r} does not say what it was trained in; name an environment with --env")
-    return environment, card.get("motion") if "-Style-" in environment else None
+    motion = card.get("motion") if "-Style-" in environment else None
+    beside = file.with_name(motion) if motion is not None and Path(motion).name == motion else None
+    return environment, str(beside) if beside is not None and beside.is_file() else motion
 
 
 def open_policy(

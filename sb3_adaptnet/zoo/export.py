@@ -8,7 +8,7 @@ from typing import Any
 from stable_baselines3.common.utils import ConstantSchedule
 
 from adapt_envs import AdaptVectorEnv
-from adapt_envs.motion.library import load_clip
+from adapt_envs.motion.library import load_clip, ships
 from sb3_adaptnet.checkpoint import BASE, save_adaptation, save_base
 from sb3_adaptnet.hyperparameters import Experiment, experiment
 from sb3_adaptnet.resources import WEIGHT_SUFFIX
@@ -17,6 +17,7 @@ from sb3_adaptnet.zoo.progress import COLUMNS, read_rows
 from sb3_adaptnet.zoo.run_folder import RunFolder
 from sb3_adaptnet.zoo.training import make_worlds
 
+CLIP_SUFFIX = ".motion.npz"  # after the weights' name: their reference clip, if it is none of those that ship
 METRIC_ROWS = 10  # last rollouts that the card's metrics are the means of
 
 
@@ -44,7 +45,7 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
         output: Where to.
 
     Returns:
-        The file; its card lies beside it.
+        The file; its card lies beside it, and a copy of the clip if that is none of those that ship.
 
     Raises:
         ValueError: If there is no run, no checkpoint, or the output's folder does not exist.
@@ -59,19 +60,28 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
         worlds.observation_space, worlds.action_space, ConstantSchedule(0.0), **entry.ppo["policy_kwargs"]
     )
     policy.load_state_dict(state["policy"])
-    card = card_of(folder, entry, int(state["samples"])) | clip_of(worlds)
+    motion = motion_of(worlds)
+    card = card_of(folder, entry, int(state["samples"])) | clip_of(motion, Path(output))
     worlds.close()
     save = save_base if policy.export()[0] == BASE else save_adaptation
-    return save(policy, output, **card)
+    file = save(policy, output, **card)
+    if motion is not None and not ships(motion):
+        load_clip(motion).save(file.with_name(card["motion"]))
+    return file
 
 
-def clip_of(worlds: AdaptVecEnv) -> dict[str, Any]:
-    """Name and hash of the reference clip, where the worlds are this project's."""
+def motion_of(worlds: AdaptVecEnv) -> str | None:
+    """Name or file of the reference clip, where the worlds are this project's."""
     vector = worlds.worlds.unwrapped
-    if not isinstance(vector, AdaptVectorEnv):
+    return vector.worlds.spec.motion if isinstance(vector, AdaptVectorEnv) else None
+
+
+def clip_of(motion: str | None, output: Path) -> dict[str, Any]:
+    """Name and hash of the reference clip; one that does not ship is named by its copy beside the weights."""
+    if motion is None:
         return {}
-    motion = vector.worlds.spec.motion
-    return {"motion": str(motion), "clip_hash": load_clip(motion).digest}
+    beside = f"{output.name.removesuffix(WEIGHT_SUFFIX)}{CLIP_SUFFIX}"
+    return {"motion": motion if ships(motion) else beside, "clip_hash": load_clip(motion).digest}
 
 
 def card_of(folder: RunFolder, entry: Experiment, samples: int) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """`adaptnet adapt`: a motion file to a style controller, with tiny networks and few samples."""
 
 import json
+import shutil
 
 import pytest
 from evaluation_cases import save_tiny_base
@@ -32,8 +33,18 @@ def test_a_bvh_becomes_a_controller_that_can_be_measured(base, tmp_path, capsys)
     card = json.loads((tmp_path / "mine.json").read_text())
     assert card["environment"] == "AdaptNet/Humanoid-Style-v0" and card["clip_hash"] == clip.digest
     assert card["training"]["samples"] >= 128
-    assert main(["eval", str(tmp_path / "mine.safetensors"), "--seconds", "1", "--threads", "1", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["seconds"] > 0
+    words = ["--seconds", "1", "--threads", "1", "--json"]
+    assert main(["eval", str(tmp_path / "mine.safetensors"), *words]) == 0
+    here = json.loads(capsys.readouterr().out)
+    # The clip lies beside the weights: they can be given away, and the run deleted.
+    shutil.rmtree(tmp_path / "run")
+    there = tmp_path / "elsewhere"
+    there.mkdir()
+    for file in (*tmp_path.glob("mine.*"), *tmp_path.glob(f"{base.stem}.*")):
+        shutil.move(file, there)
+    assert {file.name for file in there.glob("mine.*")} == {"mine.safetensors", "mine.json", "mine.motion.npz"}
+    assert main(["eval", str(there / "mine.safetensors"), *words]) == 0
+    assert json.loads(capsys.readouterr().out) == here
 
 
 def test_a_run_goes_on_where_it_stopped(base, tmp_path, capsys):
