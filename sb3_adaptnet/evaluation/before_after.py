@@ -50,8 +50,8 @@ def first_ends(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, steps: in
 def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> Image:
     """Pictures (height, width, 3) of six seconds in one world: the base above, the adaptation below.
 
-    Of the worlds in which the adaptation lasts longest it is the one in which the base lasts as long as it usually does
-    there; a row ends as the episode does, by a fall or, say, lost. The policy keeps its alpha.
+    Of the worlds in which the adaptation lasts longest, and longer than its base if there is such a one, it is the one
+    in which the base lasts as long as it usually does there; a row ends as the episode does, by a fall or, say, lost. The policy keeps its alpha.
 
     Args:
         policy: an adaptation.
@@ -86,6 +86,8 @@ def write_before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, path: str | 
 
 def _typical(before: NDArray[np.int64], after: NDArray[np.int64]) -> int:
     worlds = np.flatnonzero(after == after.max())
+    outlasted = worlds[before[worlds] < after.max()]
+    worlds = outlasted if len(outlasted) else worlds
     return int(worlds[before[worlds].argsort(kind="stable")[len(worlds) // 2]])
 
 
