@@ -51,7 +51,8 @@ def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> 
     """Pictures (height, width, 3) of six seconds in one world: the base above, the adaptation below.
 
     Of the worlds in which the adaptation lasts longest, and longer than its base if there is such a one, it is the one
-    in which the base lasts as long as it usually does there; a row ends as the episode does, by a fall or, say, lost. The policy keeps its alpha.
+    in which the base lasts as long as it usually does there; a row ends as the episode does, by a fall or, say, lost.
+    The policy keeps its alpha.
 
     Args:
         policy: an adaptation.
