@@ -27,6 +27,7 @@ def add_parser(subparsers: Any) -> None:
     add_options(parser)
     parser.add_argument("--seconds", type=seconds_of, default=DEFAULT_SECONDS, help="simulated seconds (default 1200)")
     parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
+    parser.add_argument("--push-scale", type=float, metavar="S", help="pushes at S times their force (default 1)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a contact sheet of it going straight on")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="film it going to targets")
@@ -55,6 +56,8 @@ def run(options: argparse.Namespace) -> int:
     for option, path in (("--strip", options.strip), ("--before-after", options.before_after)):
         if path is not None and not isinstance(actor.policy, AdaptNetPolicy):
             raise ValueError(f"{option} needs an adaptation; {actor.name!r} is none")
+    if options.push_scale is not None:
+        actor.env.push_scale = options.push_scale
     found = evaluate(actor.policy, actor.env, options.seconds, options.seed, Bar("walking"))
     if options.json:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))

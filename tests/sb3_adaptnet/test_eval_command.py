@@ -60,6 +60,7 @@ def test_a_picture_of_an_adaptation_and_its_base(tiny):
         (["BASE", "--env", "AdaptNet/Humanoid-Nowhere-v0"], "Nowhere"),
         (["BASE", "--alpha", "0.5"], "need an adaptation"),
         (["BASE", "--sheet", "sheet.jpg"], "the extension must be .png"),
+        (["BASE", "--push-scale", "0.5"], "no pushes to scale"),
         (["BASE", "--strip", "strip.png"], "--strip needs an adaptation"),
         (["BASE", "--before-after", "pair.png"], "--before-after needs an adaptation"),
         (["BASE", "--video", "no/such/folder/film.mp4"], "does not exist"),
