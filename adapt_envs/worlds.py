@@ -15,6 +15,7 @@ from adapt_envs.model.ground import Ground, make_ground
 from adapt_envs.model.humanoid import LINKS
 from adapt_envs.model.morphology import MORPHOLOGIES
 from adapt_envs.model.obstacles import OBSTACLES
+from adapt_envs.model.soles import sole_corners
 from adapt_envs.model.terrain import TERRAINS
 from adapt_envs.motion.library import load_clip, reference_motion
 from adapt_envs.observation import Observations, empty_like, put_rows, rows_of
@@ -22,7 +23,7 @@ from adapt_envs.physics import PhysicsBatch
 from adapt_envs.spawn import moved, standing_lift
 from adapt_envs.suite import TaskSpec, preferred_speeds
 from adapt_envs.tables import entry
-from adapt_envs.tasks.footing import footing_reward, sole_corners
+from adapt_envs.tasks.footing import footing_reward
 from adapt_envs.tasks.goal import goal_observation, goal_reward
 from adapt_envs.tasks.goals import Goals
 from adapt_envs.tasks.push import Pushes

@@ -10,7 +10,7 @@ from stable_baselines3.common.utils import obs_as_tensor
 
 from sb3_adaptnet.buffer import ObjectiveRolloutBuffer
 from sb3_adaptnet.imitation import ImitationObjective
-from sb3_adaptnet.points import Points, numbers_of, value_at
+from sb3_adaptnet.points import Points, check_points, value_at
 from sb3_adaptnet.rollout import Rollout
 from sb3_adaptnet.steering import KL_RANGE, steer
 from sb3_adaptnet.terms import TERMS, RewardTerm
@@ -229,8 +229,7 @@ def _check(
     for name, weight in weights.items():
         if name not in known:
             raise ValueError(f"objective {name!r} has no reward; known are: {', '.join(known)} (see reward_terms)")
-        if not all(number >= 0.0 for number in numbers_of(weight)):
-            raise ValueError(f"the weight of objective {name!r} must not be negative, but is {weight}")
+        check_points(f"the weight of objective {name!r}", weight)
     for label, bounds in (("kl_range", kl_range), ("actor_lr_range", lr_range)):
         if bounds is not None and not 0.0 < bounds[0] <= bounds[1]:
             raise ValueError(f"{label} must be two ascending positive numbers, not {bounds}")

@@ -1,6 +1,7 @@
 """Numbers that may change with the samples seen: one number, or points that are joined by straight lines."""
 
 from collections.abc import Mapping
+from numbers import Real
 
 import numpy as np
 
@@ -16,6 +17,12 @@ def value_at(points: Points, samples: int) -> float:
     return float(np.interp(samples, at, [points[sample] for sample in at]))
 
 
-def numbers_of(points: Points) -> list[float]:
-    """Every number that is named."""
-    return [float(value) for value in (points.values() if isinstance(points, Mapping) else [points])]
+def check_points(what: str, points: Points) -> None:
+    """Refuse anything but a number or points, and negative numbers; `what` says whose they are.
+
+    Raises:
+        ValueError: Naming the value. YAML reads 1e6 as text: write 1000000.
+    """
+    pairs = points.items() if isinstance(points, Mapping) else [(0, points)]
+    if not pairs or not all(isinstance(number, Real) and number >= 0 for pair in pairs for number in pair):
+        raise ValueError(f"{what} must be a number or {{samples: number}}, none of them negative, not {points!r}")

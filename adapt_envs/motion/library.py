@@ -29,12 +29,12 @@ CLIPS = {name: f"motions/{name.lower()}.npz" for name in (*BASES, *STYLES)}
 _PAST = WINDOW_FRAMES - 1
 
 
-@lru_cache(maxsize=32)
 def ships(name_or_file: str) -> bool:
     """Whether this is the name of a clip that ships."""
     return name_or_file.lower() in (name.lower() for name in CLIPS)
 
 
+@lru_cache(maxsize=32)
 def load_clip(name_or_file: str) -> MotionClip:
     """A shipped clip by name, or a clip file (`.npz`) by path.
 

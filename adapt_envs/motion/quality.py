@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import CONTROL_DT, FEET
+from adapt_envs.model.soles import TOUCHING, sole_corners
 from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.dynamics import GRAVITY, momentum
-from adapt_envs.tasks.footing import TOUCHING, sole_corners
 
 Array = NDArray[np.float64]
 _SUPPORT_MARGIN = 0.05

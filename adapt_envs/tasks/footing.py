@@ -1,22 +1,14 @@
 """Feet that stay where they stand: a reward beyond the paper's two. Pure functions over arrays."""
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs import rotations
 from adapt_envs.model.humanoid import CONTROL_DT, FEET, LINKS
+from adapt_envs.model.soles import TOUCHING
 
-TOUCHING = 0.015
-"""A corner of a sole lower than this touches the ground [m]."""
 SLIP_SCALE = 0.15
 """Slip [m/s] at which a foot's reward has fallen to 1/e."""
-
-
-def sole_corners(model: mujoco.MjModel) -> NDArray[np.float64]:
-    """The lower corners of the right and the left sole (2, 4, 3) [m], in the feet's link frames."""
-    signs = np.array([(1, 1, -1), (1, -1, -1), (-1, -1, -1), (-1, 1, -1)])
-    return np.stack([model.geom(foot).pos + signs * model.geom(foot).size for foot in FEET])
 
 
 def footing_reward(windows: NDArray[np.floating], corners: NDArray[np.float64]) -> NDArray[np.float64]:

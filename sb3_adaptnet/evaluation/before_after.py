@@ -18,8 +18,6 @@ SECONDS, COLUMNS = 6.0, 7
 _TILE = (270, 300)
 _CAMERA = Camera(azimuth=120, elevation=-14, distance=5.6, fovy=28)
 _BLANK = 250
-_ROWS = {"before": 0.0, "after": 1.0}
-"""Caption and alpha."""
 
 
 class FirstEnds(NamedTuple):
@@ -63,15 +61,16 @@ def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> 
         RenderingError: if this machine cannot draw.
     """
     kept, steps = policy.alpha, round(SECONDS / CONTROL_DT)
+    alphas = {"before": 0.0, "after": kept}
     env.set_goal(None, None)
     ends = {}
     try:
-        for caption, alpha in _ROWS.items():
+        for caption, alpha in alphas.items():
             policy.alpha = alpha
             ends[caption] = first_ends(policy, env, seed, steps)
         world = _typical(ends["before"].steps, ends["after"].steps)
         rows = []
-        for caption, alpha in _ROWS.items():
+        for caption, alpha in alphas.items():
             policy.alpha = alpha
             end = int(ends[caption].steps[world]), str(ends[caption].reasons[world])
             rows.append(_row(policy, env, seed, caption, world, *end))

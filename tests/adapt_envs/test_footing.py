@@ -6,7 +6,8 @@ import pytest
 from adapt_envs import env_id, make_vector
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import CONTROL_DT, FEET, LINKS
-from adapt_envs.tasks.footing import footing_reward, sole_corners
+from adapt_envs.model.soles import sole_corners
+from adapt_envs.tasks.footing import footing_reward
 
 CORNERS = sole_corners(compile_model())
 

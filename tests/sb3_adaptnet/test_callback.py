@@ -214,6 +214,9 @@ def test_refuses_what_it_cannot_use():
         DiscriminatorRewardCallback({"goal": -0.1})
     with pytest.raises(ValueError, match="'goal'.*-0.2"):
         DiscriminatorRewardCallback({"goal": {0: 0.5, 1000: -0.2}})
+    for weight in ({}, "heavy", {"1e6": 0.5}, float("nan")):
+        with pytest.raises(ValueError, match=r"'goal' must be a number or \{samples: number\}"):
+            DiscriminatorRewardCallback({"goal": weight})
     with pytest.raises(ValueError, match="kl_range"):
         DiscriminatorRewardCallback(kl_range=(0.03, 0.012))
     stock = PPO("MlpPolicy", DummyVecEnv([ToyEnv]), n_steps=16)
