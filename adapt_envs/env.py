@@ -10,20 +10,13 @@ from adapt_envs.observation import Observations, rows_of
 from adapt_envs.rendering import SceneRenderer, Window
 from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
 from adapt_envs.tasks.termination import DIVERGED, ENDS, RUNNING, TIME
-from adapt_envs.vector_env import (
-    RENDER_FPS,
-    apply_options,
-    check_render_mode,
-    set_goal_spread,
-    set_push_scale,
-    spaces_of,
-)
+from adapt_envs.vector_env import RENDER_FPS, Adjustable, apply_options, check_render_mode, spaces_of
 from adapt_envs.worlds import Worlds
 
 _ALL = np.zeros(1, np.int64)
 
 
-class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
+class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
     """A physically simulated humanoid that walks or runs to targets in the manner of a reference motion.
 
     ## Description
@@ -129,24 +122,6 @@ class AdaptEnv(gym.Env[Observations, NDArray[np.float32]]):
         # `gym.make(..., max_episode_steps=n)` changes the spec; 0 or less disables the limit there.
         limit = EPISODE_STEPS if self.spec is None else self.spec.max_episode_steps
         return limit if limit is None or limit > 0 else None
-
-    @property
-    def push_scale(self) -> float:
-        """Factor on the force of pushes, 1 unless set."""
-        return 1.0 if self.worlds.pushes is None else self.worlds.pushes.scale
-
-    @push_scale.setter
-    def push_scale(self, scale: float) -> None:
-        set_push_scale(self.worlds, scale)
-
-    @property
-    def goal_spread(self) -> float:
-        """Share of the circle, centred straight ahead, that goals are drawn from; 1 unless set."""
-        return self.worlds.goals.spread
-
-    @goal_spread.setter
-    def goal_spread(self, share: float) -> None:
-        set_goal_spread(self.worlds, share)
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:

@@ -50,31 +50,47 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
     return start
 
 
-def set_push_scale(worlds: Worlds, scale: float) -> None:
-    """Set the factor on the worlds' pushes.
+class Adjustable:
+    """What one may set at any time, of one world as of many; `AttributeRamp` lets it grow in training.
 
-    Raises:
-        ValueError: if the task has none, or for a negative or non-finite factor.
+    Attributes:
+        worlds: the worlds.
     """
-    if worlds.pushes is None:
-        raise ValueError("this environment has no pushes to scale; give it `push=PushSchedule(...)`")
-    if not 0 <= scale < np.inf:
-        raise ValueError(f"push_scale is {scale!r}, expected a factor of at least 0")
-    worlds.pushes.scale = float(scale)
+
+    worlds: Worlds
+
+    @property
+    def push_scale(self) -> float:
+        """Factor on the force of pushes, 1 unless set.
+
+        Setting it raises ValueError if the task has no pushes, and for a negative or non-finite factor.
+        """
+        return 1.0 if self.worlds.pushes is None else self.worlds.pushes.scale
+
+    @push_scale.setter
+    def push_scale(self, scale: float) -> None:
+        if self.worlds.pushes is None:
+            raise ValueError("this environment has no pushes to scale; give it `push=PushSchedule(...)`")
+        if not 0 <= scale < np.inf:
+            raise ValueError(f"push_scale is {scale!r}, expected a factor of at least 0")
+        self.worlds.pushes.scale = float(scale)
+
+    @property
+    def goal_spread(self) -> float:
+        """Share of the circle, centred straight ahead, that goals are drawn from; 1 unless set.
+
+        Setting it raises ValueError for a share outside [0, 1].
+        """
+        return self.worlds.goals.spread
+
+    @goal_spread.setter
+    def goal_spread(self, share: float) -> None:
+        if not 0 <= share <= 1:
+            raise ValueError(f"goal_spread is {share!r}, expected a share of the circle from 0 (ahead) to 1 (anywhere)")
+        self.worlds.goals.spread = float(share)
 
 
-def set_goal_spread(worlds: Worlds, share: float) -> None:
-    """Set the share of the circle, centred straight ahead, that goals are drawn from.
-
-    Raises:
-        ValueError: for a share outside [0, 1].
-    """
-    if not 0 <= share <= 1:
-        raise ValueError(f"goal_spread is {share!r}, expected a share of the circle from 0 (ahead) to 1 (anywhere)")
-    worlds.goals.spread = float(share)
-
-
-class AdaptVectorEnv(gym.vector.VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]):
+class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]):
     """N worlds of one task, stepped together; ended worlds restart in the same step.
 
     The arrays that `reset` and `step` return are fresh at every call. `infos["final_obs"]` and `infos["final_info"]`
@@ -148,24 +164,6 @@ class AdaptVectorEnv(gym.vector.VectorEnv[Observations, NDArray[np.float32], NDA
         put_rows(observations, ended, self.worlds.reset(ended))
         final_info = {"end": end, "_end": mask, "diverged_worlds": self.diverged_worlds}
         return {"final_obs": final_obs, "_final_obs": mask, "final_info": final_info, "_final_info": mask}
-
-    @property
-    def push_scale(self) -> float:
-        """Factor on the force of pushes, 1 unless set: let it grow in training."""
-        return 1.0 if self.worlds.pushes is None else self.worlds.pushes.scale
-
-    @push_scale.setter
-    def push_scale(self, scale: float) -> None:
-        set_push_scale(self.worlds, scale)
-
-    @property
-    def goal_spread(self) -> float:
-        """Share of the circle, centred straight ahead, that goals are drawn from; 1 unless set."""
-        return self.worlds.goals.spread
-
-    @goal_spread.setter
-    def goal_spread(self, share: float) -> None:
-        set_goal_spread(self.worlds, share)
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:
