@@ -9,7 +9,8 @@ from typing import TypeVar
 
 from tqdm import tqdm
 
-from adapt_envs.motion.clip import FPS, MotionClip, MotionError
+from adapt_envs.commands.output import check_output
+from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.importing import SUFFIXES, import_motion
 from adapt_envs.motion.library import CLIPS, load_clip
 from adapt_envs.motion.quality import BARS, Quality, check
@@ -87,12 +88,9 @@ def run_check(options: argparse.Namespace) -> int:
 def run_render(options: argparse.Namespace) -> int:
     """Draw a motion."""
     output: Path = options.output
-    suffix = output.suffix.lower()
-    if suffix != ".png" and suffix not in VIDEO_SUFFIXES:
-        raise MotionError(f"{output}: cannot draw a {suffix or '(no extension)'} file; possible are .png, .mp4, .gif")
-    _check_folder(output)
+    check_output(output, ".png", *VIDEO_SUFFIXES)
     clip = _opened(options.motion)
-    if suffix == ".png":
+    if output.suffix.lower() == ".png":
         write_sheet(clip, output)
     else:
         write_video(clip, output, _bar(video_frames(clip), "drawing"))
@@ -103,9 +101,7 @@ def run_render(options: argparse.Namespace) -> int:
 def run_import(options: argparse.Namespace) -> int:
     """Fit a motion file to the character and write the clip; nothing is written unless all went well."""
     output: Path = options.output
-    if output.suffix.lower() != ".npz":
-        raise MotionError(f"{output}: a clip's extension is .npz, not {output.suffix or '(none)'}")
-    _check_folder(output)
+    check_output(output, ".npz")
     clip = import_motion(options.file, options.map, options.style, lambda frames: _bar(frames, "fitting"))
     clip.save(output)
     measured = check(clip, kind_of(clip))
@@ -128,13 +124,6 @@ def _opened(name_or_file: str) -> MotionClip:
     if Path(name_or_file).suffix.lower() in SUFFIXES:
         return import_motion(name_or_file, progress=lambda frames: _bar(frames, "fitting"))
     return load_clip(name_or_file)
-
-
-def _check_folder(output: Path) -> None:
-    if output.is_dir():
-        raise MotionError(f"{output}: is a folder")
-    if not output.parent.is_dir():
-        raise MotionError(f"{output}: the folder {output.parent} does not exist")
 
 
 def _duration(clip: MotionClip) -> float:

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from adapt_envs.commands.output import check_output
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing import SUFFIXES, import_motion
 from adapt_envs.motion.library import load_clip
@@ -42,8 +43,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Adapt, or go on adapting, then write the weight file and say what to do with it."""
-    if not options.output.absolute().parent.is_dir():
-        raise ValueError(f"{options.output}: the folder {options.output.parent} does not exist")
+    check_output(options.output)
     shown = {"minutes": options.minutes, "quiet": options.quiet}
     if options.resume is not None:
         folder = resume(options.resume, options.samples, **shown)

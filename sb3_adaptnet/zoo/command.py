@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import gymnasium as gym
 
 from adapt_envs.commands import doctor, envs, motions
-from sb3_adaptnet.zoo import adapt, bench_env, bench_train, demo, export, play, train
+from sb3_adaptnet.zoo import adapt, bench_env, bench_train, curves, demo, export, play, train
 from sb3_adaptnet.zoo import eval as evaluation
 
 BAD_INPUT = 2  # exit code
@@ -24,6 +24,7 @@ def make_parser() -> argparse.ArgumentParser:
     evaluation.add_parser(subparsers)
     play.add_parser(subparsers)
     export.add_parser(subparsers)
+    curves.add_parser(subparsers)
     envs.add_parser(subparsers)
     motions.add_parser(subparsers)
     doctor.add_parser(subparsers)

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from adapt_envs.commands.output import check_output
 from adapt_envs.motion.sheet import video_frames, write_sheet
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.before_after import write_before_after
@@ -78,12 +79,8 @@ def check_outputs(options: argparse.Namespace) -> None:
     """
     pictures, films = (options.sheet, options.strip, options.before_after), (options.video,)
     for path, suffixes in [(path, (".png",)) for path in pictures] + [(path, (".mp4", ".gif")) for path in films]:
-        if path is None:
-            continue
-        if path.suffix.lower() not in suffixes:
-            raise ValueError(f"{path}: the extension must be {' or '.join(suffixes)}")
-        if not path.absolute().parent.is_dir():
-            raise ValueError(f"{path}: the folder {path.parent} does not exist")
+        if path is not None:
+            check_output(path, *suffixes)
 
 
 def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None) -> list[Path]:

@@ -8,12 +8,14 @@ from typing import Any
 from stable_baselines3.common.utils import ConstantSchedule
 
 from adapt_envs import AdaptVectorEnv
+from adapt_envs.commands.output import check_output
 from adapt_envs.motion.library import load_clip, ships
 from sb3_adaptnet.checkpoint import BASE, save_adaptation, save_base
 from sb3_adaptnet.hyperparameters import Experiment, experiment
 from sb3_adaptnet.resources import WEIGHT_SUFFIX
 from sb3_adaptnet.vec_env import AdaptVecEnv
-from sb3_adaptnet.zoo.progress import COLUMNS, read_rows
+from sb3_adaptnet.zoo.curve import panels
+from sb3_adaptnet.zoo.history import read_rows
 from sb3_adaptnet.zoo.run_folder import RunFolder
 from sb3_adaptnet.zoo.training import make_worlds
 
@@ -50,8 +52,7 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
     Raises:
         ValueError: If there is no run, no checkpoint, or the output's folder does not exist.
     """
-    if not Path(output).absolute().parent.is_dir():
-        raise ValueError(f"the folder of {output} does not exist")
+    check_output(output)
     folder = RunFolder.open(run_dir)
     state = folder.load()
     entry = experiment(folder.settings.env_id, folder.settings.base, folder.settings.conf_file)
@@ -87,10 +88,10 @@ def clip_of(motion: str | None, output: Path) -> dict[str, Any]:
 def card_of(folder: RunFolder, entry: Experiment, samples: int) -> dict[str, Any]:
     """Entries of the card: where the weights come from and how well they did while training."""
     settings = folder.settings
-    rows = read_rows(folder, samples)[-METRIC_ROWS:]
+    rows = read_rows(folder.progress, samples)[-METRIC_ROWS:]
     metrics = {
         name: round(sum(row[name] for row in rows) / len(rows), 4)
-        for name in COLUMNS[3:7]
+        for name in panels({"": rows})
         if rows and all(name in row for row in rows)
     }
     policy_kwargs = dict(entry.ppo["policy_kwargs"])

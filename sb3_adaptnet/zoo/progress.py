@@ -1,23 +1,20 @@
 """Progress of a run: a bar or lines, progress.csv, the learning curve."""
 
-import csv
 import sys
 import time
-from typing import Any
+from collections.abc import Sequence
 
 from stable_baselines3.common.callbacks import BaseCallback
 from tqdm import tqdm
 
 from sb3_adaptnet.callback import DiscriminatorRewardCallback
+from sb3_adaptnet.ramp import AttributeRamp
 from sb3_adaptnet.zoo.curve import draw_curve
+from sb3_adaptnet.zoo.history import Row, append_row, read_rows, reward_column, write_rows
 from sb3_adaptnet.zoo.run_folder import RunFolder
 
-COLUMNS = (
-    "samples",
-    "seconds",
-    "samples_per_second",
-    "goal_reward",
-    "imitation_reward",
+TIMES = ("samples", "seconds", "samples_per_second")
+METRICS = (
     "falls_per_minute",
     "episode_length",
     "kl",
@@ -40,6 +37,7 @@ class Progress(BaseCallback):
         self,
         folder: RunFolder,
         discriminators: DiscriminatorRewardCallback,
+        ramps: Sequence[AttributeRamp] = (),
         seconds: float = 0.0,
         quiet: bool = False,
         line_seconds: float = 60.0,
@@ -49,6 +47,7 @@ class Progress(BaseCallback):
         Args:
             folder: The run's.
             discriminators: Where the numbers come from.
+            ramps: Attributes of the worlds that change meanwhile; each gets a column.
             seconds: Training time that went before (of a resumed run).
             quiet: Neither bar nor lines.
             line_seconds: Time between two lines where there is no terminal.
@@ -56,13 +55,16 @@ class Progress(BaseCallback):
         super().__init__()
         self.folder, self.discriminators = folder, discriminators
         self.seconds, self.quiet, self.line_seconds = seconds, quiet, line_seconds
-        self.rows: list[dict[str, Any]] = []
+        self.ramps, self.rows = ramps, list[Row]()
+        rewards = [reward_column(name) for name in discriminators.objectives]
+        self.columns = (*TIMES, *rewards, *METRICS, *(ramp.attribute for ramp in ramps))
 
     def _init_callback(self) -> None:
         self._clock = time.monotonic()
         self._lined = -self.line_seconds
-        self.rows = read_rows(self.folder, self.num_timesteps or self.model.num_timesteps)
-        self._write_all()
+        # Later rows were lost with the process.
+        self.rows = read_rows(self.folder.progress, self.num_timesteps or self.model.num_timesteps)
+        write_rows(self.folder.progress, self.columns, self.rows)
         total = self.folder.settings.samples
         show_bar = sys.stderr.isatty() and not self.quiet
         self._bar = tqdm(total=total, unit=" samples", unit_scale=True, disable=not show_bar, dynamic_ncols=True)
@@ -79,16 +81,16 @@ class Progress(BaseCallback):
         self.seconds += spent
         batch = self.model.n_steps * self.training_env.num_envs  # type: ignore[attr-defined]
         metrics = self.discriminators.metrics
-        row = {"samples": self.num_timesteps, "seconds": round(self.seconds, 2)}
+        row: Row = {"samples": self.num_timesteps, "seconds": round(self.seconds, 2)}
         row["samples_per_second"] = round(batch / max(spent, 1e-9), 1)
-        row.update({name: metrics[name] for name in COLUMNS if name in metrics})
+        row.update({name: metrics[name] for name in self.columns if name in metrics})
+        row.update({ramp.attribute: ramp.value(self.num_timesteps - batch) for ramp in self.ramps})
         self.logger.record("time/samples_per_second", row["samples_per_second"])
         self.rows.append(row)
-        with self.folder.progress.open("a", newline="", encoding="utf-8") as stream:
-            csv.DictWriter(stream, COLUMNS, restval="").writerow(row)
+        append_row(self.folder.progress, self.columns, row)
         self._show(row, now)
 
-    def _show(self, row: dict[str, Any], now: float) -> None:
+    def _show(self, row: Row, now: float) -> None:
         shown = {label: text.format(row[name]) for label, name, text in SHOWN if name in row}
         self._bar.set_postfix(shown, refresh=False)
         if self.quiet or not self._bar.disable or now - self._lined < self.line_seconds:
@@ -102,26 +104,3 @@ class Progress(BaseCallback):
     def _on_training_end(self) -> None:
         self._bar.close()
         draw_curve(self.rows, self.folder)
-
-    def _write_all(self) -> None:
-        with self.folder.progress.open("w", newline="", encoding="utf-8") as stream:
-            writer = csv.DictWriter(stream, COLUMNS, restval="")
-            writer.writeheader()
-            writer.writerows(self.rows)
-
-
-def read_rows(folder: RunFolder, up_to: int) -> list[dict[str, Any]]:
-    """Rows of ``progress.csv`` up to a number of samples; later ones were lost with the process."""
-    if not folder.progress.is_file():
-        return []
-    rows = []
-    with folder.progress.open(newline="", encoding="utf-8") as stream:
-        for texts in csv.DictReader(stream):
-            try:
-                row = {name: float(text) for name, text in texts.items() if name in COLUMNS and text}
-            except (TypeError, ValueError):
-                continue  # a line that a kill cut short
-            if row.get("samples", up_to + 1) <= up_to:
-                row["samples"] = int(row["samples"])
-                rows.append(row)
-    return rows

@@ -14,6 +14,7 @@ from stable_baselines3.common.logger import configure
 
 from sb3_adaptnet.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.hyperparameters import Experiment, experiment
+from sb3_adaptnet.ramp import AttributeRamp
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.zoo.curve import draw_curve
 from sb3_adaptnet.zoo.progress import Progress
@@ -112,7 +113,8 @@ def learn(
     """
     model, discriminators = learner.model, learner.discriminators
     saver = RunSaver(folder, discriminators, minutes, state)
-    progress = Progress(folder, discriminators, saver.seconds, quiet)
+    ramps = [callback for callback in learner.others if isinstance(callback, AttributeRamp)]
+    progress = Progress(folder, discriminators, ramps, saver.seconds, quiet)
     done = int(state["samples"]) if state else 0
     model.num_timesteps = done
     model.set_logger(configure(str(folder.path), ["tensorboard"]))

@@ -99,9 +99,9 @@ def test_unknown_names_are_refused_with_the_known_ones(action):
 
 
 def test_render_refuses_outputs_that_cannot_be(stand, tmp_path):
-    with pytest.raises(MotionError, match=r"cannot draw a \.pdf file; possible are \.png, \.mp4, \.gif"):
+    with pytest.raises(ValueError, match=r"the extension must be \.png or \.mp4 or \.gif, not \.pdf"):
         call("render", str(stand), "-o", str(tmp_path / "x.pdf"))
-    with pytest.raises(MotionError, match="does not exist"):
+    with pytest.raises(ValueError, match="does not exist"):
         call("render", str(stand), "-o", str(tmp_path / "no" / "x.png"))
 
 

@@ -1,0 +1,43 @@
+"""What training reported, rollout by rollout: the rows of ``progress.csv``."""
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+Row = dict[str, float]
+
+
+def reward_column(objective: str) -> str:
+    """Name of the column of an objective's mean reward."""
+    return f"{objective}_reward"
+
+
+def write_rows(path: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
+    """Write a file of its own with a header; a row's missing numbers stay empty."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, columns, restval="", extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def append_row(path: Path, columns: Sequence[str], row: Row) -> None:
+    """Append one row to a file that has these columns."""
+    with path.open("a", newline="", encoding="utf-8") as stream:
+        csv.DictWriter(stream, columns, restval="").writerow(row)
+
+
+def read_rows(path: Path, up_to: float = float("inf")) -> list[Row]:
+    """Rows with at most ``up_to`` samples; none where there is no file. A row that a kill cut short is left out."""
+    if not path.is_file():
+        return []
+    rows = []
+    with path.open(newline="", encoding="utf-8") as stream:
+        for texts in csv.DictReader(stream):
+            try:
+                row = {name: float(text) for name, text in texts.items() if text}
+            except (TypeError, ValueError):
+                continue
+            if row.get("samples", float("inf")) <= up_to and "samples" in row:
+                row["samples"] = int(row["samples"])
+                rows.append(row)
+    return rows
