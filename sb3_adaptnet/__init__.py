@@ -4,7 +4,7 @@ from sb3_adaptnet import openmp as openmp  # first: it must be read before torch
 from sb3_adaptnet.baselines import FinetunePolicy, ProgressivePolicy, RegularizedFinetunePolicy, ScratchPolicy
 from sb3_adaptnet.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.checkpoint import save_adaptation, save_base
-from sb3_adaptnet.hyperparameters import hyperparameters
+from sb3_adaptnet.hyperparameters import callbacks, hyperparameters
 from sb3_adaptnet.loading import load_policy
 from sb3_adaptnet.policy import AdaptNetPolicy
 from sb3_adaptnet.pretraining import PretrainPolicy
@@ -21,6 +21,7 @@ __all__ = [
     "ProgressivePolicy",
     "RegularizedFinetunePolicy",
     "ScratchPolicy",
+    "callbacks",
     "hyperparameters",
     "load_policy",
     "save_adaptation",

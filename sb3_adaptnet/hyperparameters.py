@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
 
 from sb3_adaptnet.resources import zoo_config_path
 
@@ -42,6 +43,10 @@ class Experiment:
     callbacks: tuple[tuple[type, dict[str, Any]], ...]
     env_kwargs: dict[str, Any] = field(default_factory=dict)
 
+    def make_callbacks(self) -> list[BaseCallback]:
+        """Make the callbacks anew; one that has been in a training cannot serve another."""
+        return [cls(**kwargs) for cls, kwargs in self.callbacks]
+
 
 def hyperparameters(env_id: str, base: str | None = None, conf_file: str | Path | None = None) -> dict[str, Any]:
     """Return PPO's keyword arguments for an environment from the zoo's YAML entry.
@@ -60,10 +65,23 @@ def hyperparameters(env_id: str, base: str | None = None, conf_file: str | Path 
     return dict(experiment(env_id, base, conf_file).ppo)
 
 
+def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
+    """Make the callbacks of the zoo's YAML entry, for ``PPO.learn``: the discriminators first, then any ramps.
+
+    Args:
+        env_id: Such as "AdaptNet/Humanoid-Stoop-v0".
+        conf_file: YAML file, or the name of a shipped one; default "ppo".
+
+    Raises:
+        ValueError: As ``hyperparameters``.
+    """
+    return experiment(env_id, conf_file=conf_file).make_callbacks()
+
+
 def experiment(env_id: str, base: str | None = None, conf_file: str | Path | None = None) -> Experiment:
     """Read and check the whole entry of an environment; arguments and errors as ``hyperparameters``."""
     file = conf_path(conf_file)
-    entry = _entry(file, env_id)
+    entry = read_entry(file, env_id)
     where = f"{file.name}: {env_id}"
     _refuse_unknown(where, entry, (*PPO_KEYS, *RUN_KEYS))
     for key in ("policy", "n_envs", "n_timesteps"):
@@ -101,7 +119,12 @@ def conf_path(conf_file: str | Path | None) -> Path:
     return zoo_config_path(str(conf_file))
 
 
-def _entry(file: Path, env_id: str) -> dict[str, Any]:
+def read_entry(file: Path, env_id: str) -> dict[str, Any]:
+    """Read the entry of an environment as it stands, or the file's fallback.
+
+    Raises:
+        ValueError: If the file is no YAML file, or has neither.
+    """
     try:
         entries = yaml.load(file.read_text(encoding="utf-8"), Loader=LOADER)
     except (yaml.YAMLError, UnicodeDecodeError) as error:

@@ -11,7 +11,7 @@ from adapt_envs import AdaptVectorEnv
 from adapt_envs.commands.output import check_output
 from adapt_envs.motion.library import load_clip, ships
 from sb3_adaptnet.checkpoint import BASE, save_adaptation, save_base
-from sb3_adaptnet.hyperparameters import Experiment, experiment
+from sb3_adaptnet.hyperparameters import Experiment
 from sb3_adaptnet.resources import WEIGHT_SUFFIX
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.zoo.curve import panels
@@ -55,7 +55,7 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
     check_output(output)
     folder = RunFolder.open(run_dir)
     state = folder.load()
-    entry = experiment(folder.settings.env_id, folder.settings.base, folder.settings.conf_file)
+    entry = folder.experiment
     worlds = make_worlds(replace(folder.settings, n_envs=1), entry)
     policy: Any = entry.policy(
         worlds.observation_space, worlds.action_space, ConstantSchedule(0.0), **entry.ppo["policy_kwargs"]

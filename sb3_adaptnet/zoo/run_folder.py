@@ -1,4 +1,4 @@
-"""The folder of one training run: what was asked for, checkpoint, progress, curve."""
+"""The folder of one training run: what was asked for, its configuration, checkpoint, progress, curve."""
 
 import json
 import os
@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import torch
+import yaml
+
+from sb3_adaptnet.hyperparameters import Experiment, conf_path, experiment, read_entry
 
 RUNS = Path("runs")
 
@@ -45,26 +48,31 @@ class RunFolder:
     Attributes:
         path: The folder.
         settings: What was asked for.
+        config: The zoo's entry as it was when the run began; a resumed run reads it again.
     """
 
     def __init__(self, path: Path, settings: RunSettings) -> None:
         """Name a folder; nothing is written."""
         self.path, self.settings = path, settings
+        self.config = path / "config.yml"
         self.checkpoint = path / "checkpoint.pt"
         self.progress = path / "progress.csv"
         self.curve = path / "curve.png"
 
     @classmethod
     def new(cls, settings: RunSettings, path: str | Path | None = None) -> "RunFolder":
-        """Create the folder and write ``run.json``; without a path the next free one under ``runs/``.
+        """Create the folder, write ``run.json`` and ``config.yml``; without a path the next free one under ``runs/``.
 
         Raises:
-            ValueError: If the path holds a run already.
+            ValueError: If the path holds a run already, or there is no entry for what it shall train on.
         """
+        entry = read_entry(conf_path(settings.conf_file), settings.env_id)
         folder = cls(Path(path) if path is not None else next_path(settings.env_id), settings)
         if (folder.path / "run.json").exists():
             raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
         folder.path.mkdir(parents=True, exist_ok=True)
+        config = yaml.safe_dump({settings.env_id: entry}, sort_keys=False)
+        write_atomically(folder.config, lambda stream: stream.write(config.encode()))
         folder.write_settings(settings)
         return folder
 
@@ -84,6 +92,15 @@ class RunFolder:
             return cls(folder, RunSettings(**{f.name: values[f.name] for f in fields(RunSettings)}))
         except (ValueError, KeyError, TypeError) as error:
             raise ValueError(f"{file} is damaged: {error}") from error
+
+    @property
+    def experiment(self) -> Experiment:
+        """What the run trains with: its own ``config.yml``, whatever became of the file that it was copied from.
+
+        Raises:
+            ValueError: If that was removed or damaged.
+        """
+        return experiment(self.settings.env_id, self.settings.base, self.config)
 
     def write_settings(self, settings: RunSettings) -> None:
         """Write ``run.json``."""

@@ -43,11 +43,14 @@ class Learner:
         return self.model.env  # type: ignore[return-value]
 
 
-def build_learner(settings: RunSettings, samples_done: int = 0, **overrides: Any) -> Learner:
+def build_learner(
+    settings: RunSettings, entry: Experiment | None = None, samples_done: int = 0, **overrides: Any
+) -> Learner:
     """Make worlds, model and callbacks; nothing is written.
 
     Args:
         settings: What was asked for.
+        entry: What to train with; None for the settings' entry of the zoo.
         samples_done: Samples of a resumed run; the worlds restart with another seed.
         **overrides: Further arguments of ``AdaptVecEnv`` (tests hand in ``env``).
 
@@ -56,11 +59,11 @@ def build_learner(settings: RunSettings, samples_done: int = 0, **overrides: Any
     """
     if settings.threads is not None:
         torch.set_num_threads(settings.threads)
-    entry = experiment(settings.env_id, settings.base, settings.conf_file)
+    entry = entry or experiment(settings.env_id, settings.base, settings.conf_file)
     env = make_worlds(settings, entry, **overrides)
     model = PPO(entry.policy, env, seed=settings.seed, device=settings.device, **entry.ppo)
     env.seed(settings.seed + samples_done)
-    callbacks = [cls(**kwargs) for cls, kwargs in entry.callbacks]
+    callbacks = entry.make_callbacks()
     discriminators = next((c for c in callbacks if isinstance(c, DiscriminatorRewardCallback)), None)
     others = [c for c in callbacks if c is not discriminators]
     return Learner(model, discriminators or DiscriminatorRewardCallback(), others)
@@ -83,12 +86,12 @@ def start(settings: RunSettings, run_dir: str | Path | None = None, **options: A
 
 
 def resume(run: str | Path, samples: int | None = None, **options: Any) -> RunFolder:
-    """Go on with a run from its last checkpoint; weights, optimisers and random states as they were."""
+    """Go on with a run from its last checkpoint, by its own ``config.yml``; all states as they were."""
     folder = RunFolder.open(run)
     state = folder.load(folder.settings.device)
     if samples is not None:
         folder.write_settings(replace(folder.settings, samples=samples))
-    learner = build_learner(folder.settings, samples_done=int(state["samples"]))
+    learner = build_learner(folder.settings, folder.experiment, int(state["samples"]))
     return learn(learner, folder, state=state, **options)
 
 

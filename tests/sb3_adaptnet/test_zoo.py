@@ -14,7 +14,7 @@ import torch
 import yaml
 
 from adapt_envs import SUITE, env_id
-from sb3_adaptnet import FinetunePolicy, hyperparameters, load_policy
+from sb3_adaptnet import FinetunePolicy, callbacks, hyperparameters, load_policy
 from sb3_adaptnet.hyperparameters import experiment
 from sb3_adaptnet.points import value_at
 from sb3_adaptnet.resources import zoo_config_path
@@ -24,7 +24,7 @@ from sb3_adaptnet.zoo.export import export
 from sb3_adaptnet.zoo.random_state import random_states, restore_random_states
 from sb3_adaptnet.zoo.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.zoo.saver import restore, snapshot
-from sb3_adaptnet.zoo.training import build_learner, start
+from sb3_adaptnet.zoo.training import build_learner, resume, start
 
 ROOT = Path(__file__).resolve().parents[2]
 TOY = "toy_env:Toy-v0"
@@ -153,6 +153,30 @@ def test_a_checkpoint_restores_everything_exactly(tmp_path):
     for key in state:
         assert equal(again[key], state[key]), key
     assert state["samples"] == 640 and state["optimizer"]["state"]  # something was there to restore
+
+
+def test_a_run_keeps_the_settings_it_began_with(tmp_path):
+    folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
+    conf(tmp_path, n_steps=4, batch_size=16)  # the file changes afterwards
+    assert (
+        folder.experiment.ppo["n_steps"] == 8
+        and experiment(TOY, conf_file=conf(tmp_path, n_steps=4)).ppo["n_steps"] == 4
+    )
+    Path(folder.settings.conf_file).unlink()
+    resume(folder.path, 128, quiet=True)
+    assert folder.load()["samples"] == 128
+    card = json.loads(export(folder.path, tmp_path / "mine").with_suffix(".json").read_text())
+    assert card["training"]["ppo"]["n_steps"] == 8
+    folder.config.unlink()
+    with pytest.raises(ValueError, match=r"no such configuration file: .*config\.yml"):
+        resume(folder.path, 192, quiet=True)
+
+
+def test_callbacks_are_made_anew_each_time():
+    first, again = callbacks(env_id("PushWalk")), callbacks(env_id("PushWalk"))
+    assert [type(callback).__name__ for callback in first] == ["DiscriminatorRewardCallback", "AttributeRamp"]
+    assert all(a is not b for a, b in zip(first, again, strict=True))
+    assert first[0].weights == {"imitation": 0.25, "goal": 0.75}
 
 
 def test_a_stopped_run_goes_on(tmp_path):
