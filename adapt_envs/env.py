@@ -138,7 +138,7 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
         return self.worlds.reference.sample_windows(n, rng)
 
     def set_goal(self, heading: float | None, speed: float | None) -> None:
-        """Hold the goal ahead in the world direction `heading` [rad] at `speed` [m/s]; None returns to random goals."""
+        """Hold the goal ahead in the world direction `heading` [rad] at `speed` [m/s]; None, None: random ones."""
         self.worlds.hold_goal(heading, speed, _ALL)
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]

@@ -36,17 +36,17 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
     """Hold or release goals as `reset(options=...)` asks; return the number of the start state it asks for, if any.
 
     Raises:
-        ValueError: for an unknown option or a start state that does not exist.
+        ValueError: for an unknown option, a start state that does not exist, or a goal that cannot be held.
     """
     options = options or {}
     unknown = [key for key in options if key not in RESET_OPTIONS]
     if unknown:
         raise ValueError(f"unknown reset option {unknown[0]!r}; the options are {', '.join(RESET_OPTIONS)}")
-    if "goal_heading" in options or "goal_speed" in options:
-        worlds.hold_goal(options.get("goal_heading"), options.get("goal_speed"), ids)
     start = options.get("start")
     if start is not None and not 0 <= start < worlds.reference.num_states:
         raise ValueError(f"start state {start} does not exist; they are 0 to {worlds.reference.num_states - 1}")
+    if "goal_heading" in options or "goal_speed" in options:
+        worlds.hold_goal(options.get("goal_heading"), options.get("goal_speed"), ids)
     return start
 
 
@@ -182,7 +182,7 @@ class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.f
     def set_goal(
         self, heading: float | None, speed: float | None, worlds: NDArray[np.integer] | None = None
     ) -> None:
-        """Hold the goal ahead in the world direction `heading` [rad] at `speed` [m/s]; None returns to random goals."""
+        """Hold the goal ahead in the world direction `heading` [rad] at `speed` [m/s]; None, None: random ones."""
         self.worlds.hold_goal(heading, speed, self._all if worlds is None else worlds)
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:

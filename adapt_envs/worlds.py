@@ -182,7 +182,7 @@ class Worlds:
     def hold_goal(self, heading: float | None, speed: float | None, ids: NDArray[np.integer]) -> None:
         """Keep the target of the worlds `ids` ahead in the world direction `heading` [rad] at `speed` [m/s].
 
-        None for either returns to goals drawn at random.
+        None for both returns to goals drawn at random; errors as `Goals.hold`.
         """
         self.goals.hold(ids, heading, speed)
         self.goals.draw(ids, self.root_xy[ids], self.root_heading[ids], self.rng)

@@ -45,13 +45,20 @@ class AdaptVecEnv(VecEnv):
             seed: Seed of the first reset.
             stagger: Spread the first episodes' lengths, so that time limits do not all come at once.
             **env_kwargs: Further arguments of the environment.
+
+        Raises:
+            ValueError: If the environment has no such argument, or is not made for batches as this suite's are.
+            gymnasium.error.Error: If there is no such id, or it has no vector entry point.
         """
         if isinstance(env, VectorEnv):
             self.worlds = env
         else:
             env_id, spec_kwargs = (env.id, env.kwargs) if isinstance(env, EnvSpec) else (env, {})
             kwargs = {"num_threads": num_threads or 0, "stagger": stagger, **spec_kwargs, **env_kwargs}
-            self.worlds = gym.make_vec(env_id, num_envs, vectorization_mode="vector_entry_point", **kwargs)
+            try:
+                self.worlds = gym.make_vec(env_id, num_envs, vectorization_mode="vector_entry_point", **kwargs)
+            except TypeError as error:
+                raise ValueError(f"{env_id} cannot be made with {', '.join(kwargs)}: {error}") from error
         self._started = time.time()
         super().__init__(self.worlds.num_envs, self.worlds.single_observation_space, self.worlds.single_action_space)
         self._seeds[0] = seed

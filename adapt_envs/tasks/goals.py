@@ -36,10 +36,17 @@ class Goals:
         self.spread = 1.0
 
     def hold(self, ids: NDArray[np.integer], heading: float | None, speed: float | None) -> None:
-        """Hold the goals of the worlds `ids`, from their next draw on; None for either frees them."""
-        free = heading is None or speed is None
-        self.held_heading[ids] = np.nan if heading is None or free else heading
-        self.held_speed[ids] = 1.0 if speed is None or free else speed
+        """Hold the goals of the worlds `ids`, from their next draw on; None for both frees them.
+
+        Raises:
+            ValueError: for one without the other, a heading that is not finite, or a speed that is not positive.
+        """
+        if (heading is None) != (speed is None):
+            raise ValueError(f"a goal is held by heading and speed together, not by {heading} and {speed}")
+        if heading is not None and speed is not None and not (np.isfinite(heading) and 0.0 < speed < np.inf):
+            raise ValueError(f"a goal's heading must be finite and its speed positive, not {heading} rad, {speed} m/s")
+        self.held_heading[ids] = np.nan if heading is None else heading
+        self.held_speed[ids] = 1.0 if speed is None else speed
 
     def expire(self) -> NDArray[np.bool_]:
         """Count one control step; return (N,) which goals must be drawn anew. Held ones move at every step."""

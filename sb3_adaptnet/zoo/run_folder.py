@@ -127,8 +127,8 @@ class RunFolder:
 
 
 def next_path(env_id: str) -> Path:
-    """Next free folder ``runs/NAME_N``; the slash of an id becomes a dash."""
-    name, number = env_id.replace("/", "-"), 1
+    """Next free folder ``runs/NAME_N``; the slash and colon of an id become dashes."""
+    name, number = env_id.replace("/", "-").replace(":", "-"), 1
     while (RUNS / f"{name}_{number}").exists():
         number += 1
     return RUNS / f"{name}_{number}"

@@ -45,10 +45,18 @@ class ZooVecEnv(AdaptVecEnv):
 
 
 def spec_of(env_id: str) -> EnvSpec:
-    """Spec of an id; the module that it may name ("module:id") is imported first, as ``gym.make`` does."""
+    """Spec of an id; the module that it may name ("module:id") is imported first, as ``gym.make`` does.
+
+    Raises:
+        ValueError: If there is no such module.
+        gymnasium.error.Error: If no such id is registered.
+    """
     module, _, name = env_id.rpartition(":")
     if module:
-        import_module(module)
+        try:
+            import_module(module)
+        except ModuleNotFoundError as error:
+            raise ValueError(f"{env_id}: {error}; is its folder on PYTHONPATH?") from error
     return gym.spec(name)
 
 

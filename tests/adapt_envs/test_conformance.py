@@ -132,7 +132,13 @@ def test_reset_refuses_unknown_options_and_starts():
     with pytest.raises(ValueError, match="unknown reset option 'goal'; the options are goal_heading"):
         env.reset(options={"goal": 1})
     with pytest.raises(ValueError, match="start state -1 does not exist"):
-        env.reset(options={"start": -1})
+        env.reset(options={"start": -1, "goal_heading": 1.0, "goal_speed": 1.0})
+    with pytest.raises(ValueError, match=r"by heading and speed together, not by 1\.0 and None"):
+        env.reset(options={"goal_heading": 1.0})
+    for heading, speed in ((np.nan, 1.0), (0.0, 0.0), (0.0, np.inf)):
+        with pytest.raises(ValueError, match="heading must be finite and its speed positive"):
+            env.set_goal(heading, speed)
+    assert np.isnan(env.worlds.goals.held_heading).all()  # nothing was held by what was refused
 
 
 @pytest.mark.parametrize(

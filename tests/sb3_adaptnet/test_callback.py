@@ -15,7 +15,6 @@ from sb3_adaptnet import (
     FinetunePolicy,
     PretrainPolicy,
     ProgressivePolicy,
-    hyperparameters,
     save_base,
 )
 from sb3_adaptnet.ramp import AttributeRamp
@@ -271,16 +270,3 @@ def test_a_ramp_moves_an_attribute_with_the_samples():
     assert seen == pytest.approx([0.2, 0.15, 0.1, 0.1])
     with pytest.raises(ValueError, match="positive.*0"):
         AttributeRamp("drift", 0.0, 1.0, samples=0)
-
-
-def test_the_readmes_snippet(tmp_path):
-    """As a user writes it, with few worlds and a tiny base."""
-    stoop = "AdaptNet/Humanoid-Stoop-v0"
-    env = AdaptVecEnv(stoop, num_envs=64, num_threads=1)
-    base = save_base(PPO(PretrainPolicy, env, n_steps=2, policy_kwargs=dict(SMALL)), tmp_path / "tiny")
-    model = PPO(AdaptNetPolicy, env, **hyperparameters(stoop, base=str(base)))
-    callback = DiscriminatorRewardCallback()
-    model.learn(2_000, callback=callback, progress_bar=False)
-    assert model.num_timesteps >= 2_000 and callback.objectives == ("imitation", "goal")
-    assert np.isfinite(list(callback.metrics.values())).all()
-    env.close()

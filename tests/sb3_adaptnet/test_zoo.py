@@ -65,6 +65,7 @@ def settings(folder, **changes):
 @pytest.mark.parametrize("file", ["ppo", "paper"])
 @pytest.mark.parametrize("name", SUITE)
 def test_every_environment_has_an_entry(file, name):
+    assert file == "paper" or env_id(name) in yaml.safe_load(zoo_config_path(file).read_text())  # not by its `default`
     entry = experiment(env_id(name), conf_file=file)
     assert entry.n_envs == 512 and entry.samples >= 1_000_000
     assert entry.ppo["gamma"] == {"ppo": 0.98, "paper": 0.95}[file]
@@ -282,7 +283,9 @@ def test_a_base_that_went_on_is_a_base_again(tmp_path):
 
 @pytest.mark.parametrize("words, message", [
     (["train"], "name an environment"),
-    (["train", "AdaptNet/Humanoid-Stop-v0"], "no entry for 'AdaptNet/Humanoid-Stop-v0'"),
+    (["train", "AdaptNet/Humanoid-Stop-v0"], "Did you mean: `Humanoid-Stoop`"),
+    (["train", "CartPole-v1"], "CartPole-v1"),
+    (["train", "nosuch_module:Toy-v0"], "No module named 'nosuch_module'"),
     (["train", "AdaptNet/Humanoid-Walk-v0", "--conf-file", "no/such.yml"], "no/such.yml"),
     (["train", "--resume", "no_such_run"], "no_such_run"),
     (["export", "no_such_run", "-o", "x"], "no_such_run"),
