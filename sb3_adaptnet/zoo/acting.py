@@ -37,6 +37,16 @@ class Actor:
     name: str
     style: str
 
+    @property
+    def title(self) -> str:
+        """What acts, for people: the name, or the blend with its weights, and the strength where it is not 1."""
+        if not isinstance(self.policy, AdaptNetPolicy):
+            return Path(self.name).stem
+        weights = {self.style if name == TRAINED else name: weight for name, weight in self.policy.weights.items()}
+        parts = [name if weight == 1.0 else f"{weight:g} {name}" for name, weight in weights.items() if weight]
+        title = " + ".join(parts) or "the base"
+        return title if self.policy.alpha == 1.0 else f"{title}, alpha {self.policy.alpha:g}"
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the policy and what goes with it: environment, motion, base, alpha, blend, threads."""

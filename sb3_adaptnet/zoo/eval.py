@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
     else:
-        print(text_table({actor.name: found.figures}))
+        print(text_table({actor.title: found.figures}))
     drawn = draw(actor, found, options.sheet, options.video)
     drawn += draw_alphas(actor, options.strip, options.before_after, options.seed)
     for path in () if options.json else drawn:
@@ -88,7 +88,7 @@ def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None
 
     The video shows the longest stretch without a fall, up to 12 s.
     """
-    reference, name = actor.env.worlds.reference.clips[0], Path(actor.name).stem
+    reference, name = actor.env.worlds.reference.clips[0], actor.title
     if sheet is not None:
         write_sheet(typical_clip(found.straight, reference, name), sheet)
     if video is not None:

@@ -1,5 +1,6 @@
 """`adaptnet eval` on tiny policies."""
 
+import argparse
 import json
 
 import imageio.v2 as imageio
@@ -9,7 +10,7 @@ from evaluation_cases import STOOP, save_tiny_adaptation, save_tiny_base
 from sb3_adaptnet.evaluation.figures import Figures
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import paragraph, table, text_table, write_page
-from sb3_adaptnet.zoo.acting import open_policy, shared_out, styles_of
+from sb3_adaptnet.zoo.acting import add_options, open_actor, open_policy, shared_out, styles_of
 from sb3_adaptnet.zoo.command import main
 
 FIELDS = {
@@ -87,6 +88,23 @@ def test_styles_of_a_base_are_blended_alone_and_share_what_is_left(tiny):
     blended = open_policy(one, env, alpha=0.7, styles={two: None})
     assert blended.alpha == 0.7 and blended.weights == {"main": 0.5, "two": 0.5}
     assert open_policy(one, env).weights == {"main": 1.0}
+
+
+@pytest.mark.parametrize("words, title", [
+    (["BASE"], "base"),
+    (["ONE"], "one"),
+    (["ONE", "--alpha", "0.5"], "one, alpha 0.5"),
+    (["BASE", "--styles", "ONE=0.3,TWO"], "0.3 one + 0.7 two"),
+    (["ONE", "--styles", "TWO=1.0"], "two"),
+])  # fmt: skip
+def test_figures_and_sheets_are_headed_by_what_acts(tiny, words, title):
+    files = dict(zip(("BASE", "ONE", "TWO"), map(str, tiny), strict=True))
+    for word, file in files.items():
+        words = [text.replace(word, file) for text in words]
+    parser = argparse.ArgumentParser()
+    add_options(parser)
+    actor = open_actor(parser.parse_args([*words, "--env", STOOP, "--threads", "1"]), 1)
+    assert actor.title == title.replace("base", tiny[0].stem)
 
 
 def test_words_of_a_blend():
