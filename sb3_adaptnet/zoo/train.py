@@ -17,9 +17,8 @@ def add_parser(subparsers: Any) -> None:
         "train", help="train a base, or adapt one, as the zoo's YAML entry of the environment says"
     )
     parser.add_argument("env_id", metavar="ID", nargs="?", help="environment, as in AdaptNet/Humanoid-Stoop-v0")
-    parser.add_argument(
-        "--conf-file", help="YAML file with an entry for ID, or a shipped one's name: ppo (default), paper, continue"
-    )
+    words = "YAML file with an entry for ID, or a shipped one's name: ppo (default), paper, continue or finetune"
+    parser.add_argument("--conf-file", help=words)
     parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")
     parser.add_argument("--seed", type=int, help="default 0")
     parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder")

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -74,6 +75,12 @@ def test_every_environment_has_an_entry(file, name):
     for samples in (0, entry.samples):
         weights = [value_at(weight, samples) for weight in callback["objective_weights"].values()]
         assert sum(weights) == pytest.approx(1.0)
+
+
+def test_finetuning_differs_from_adapting_by_its_policy_alone():
+    ours, theirs = (experiment(env_id("Stoop"), "walk", file) for file in ("ppo", "finetune"))
+    assert theirs.policy is FinetunePolicy and ours.policy is not FinetunePolicy
+    assert replace(ours, policy=FinetunePolicy) == theirs
 
 
 @pytest.mark.parametrize("name", ["Walk", "Run"])
