@@ -1,6 +1,7 @@
 """The command ``adaptnet``: one parser, its subcommands in files of their own."""
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 
@@ -10,7 +11,7 @@ from adapt_envs.commands import doctor, envs, motions
 from sb3_adaptnet.zoo import adapt, bench_env, bench_train, curves, demo, export, play, train
 from sb3_adaptnet.zoo import eval as evaluation
 
-BAD_INPUT = 2  # exit code
+BAD_INPUT, PIPE_CLOSED = 2, 141  # exit codes; the latter is what shells have for it
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -46,7 +47,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = make_parser().parse_args(arguments)
     try:
-        return int(options.run(options) or 0)
+        code = int(options.run(options) or 0)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # whoever read the output, such as `head`, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
     except (ValueError, OSError, gym.error.Error) as error:
         if options.traceback:
             raise

@@ -306,6 +306,13 @@ def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypa
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_reader_that_has_seen_enough_is_no_error():
+    command = [sys.executable, "-m", "sb3_adaptnet.zoo.command", "envs", "list"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    assert process.stderr.read() == "" and process.wait(timeout=60) == 141
+
+
 def test_a_resumed_run_refuses_changes_and_damage(tmp_path, capsys):
     folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
     assert main(["train", "--resume", str(folder.path), "--seed", "3"]) == 2
