@@ -89,6 +89,7 @@ class PhysicsBatch:
         self._qpos[ids] = qpos
         self._qvel[ids] = qvel
         self._batch.forward(ids, stage=_STAGE)
+        self._warnings[ids] = self._batch.warning[:, _DIVERGED, 1][ids]  # the reset set them to zero
 
     def push(self, force: NDArray[np.floating]) -> None:
         """Set the force (N, 3) [N] in the world frame that acts on the torso's centre of mass until set anew."""

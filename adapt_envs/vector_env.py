@@ -53,6 +53,8 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
 class Adjustable:
     """What one may set at any time, of one world as of many; `AttributeRamp` lets it grow in training.
 
+    A `gym.Wrapper` does not hand on what is set: set it on `env.unwrapped`.
+
     Attributes:
         worlds: the worlds.
     """
@@ -114,7 +116,8 @@ class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.f
             num_envs: number of worlds.
             max_episode_steps: time limit in control steps (1/30 s), or None.
             num_threads: threads of the physics; 0 for one per core.
-            stagger: spread the first episodes' lengths, so that time limits do not come all at once in training.
+            stagger: shorten the episodes that a `reset` of all worlds begins, each by another number of steps, so that
+                time limits do not come all at once in training.
             render_mode: "rgb_array" (a picture per world) or None.
             **overrides: fields of `TaskSpec` to replace, such as `motion` or `speed_range`.
         """
@@ -141,7 +144,6 @@ class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.f
         observations = self.worlds.reset(self._all, start)
         if self._stagger and self._max_steps is not None:
             self.worlds.steps[:] = self.np_random.integers(self._max_steps, size=self.num_envs)
-            self._stagger = False
         return observations, {}
 
     def step(

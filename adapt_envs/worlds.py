@@ -18,7 +18,7 @@ from adapt_envs.model.obstacles import OBSTACLES
 from adapt_envs.model.soles import sole_corners
 from adapt_envs.model.terrain import TERRAINS
 from adapt_envs.motion.library import load_clip, reference_motion
-from adapt_envs.observation import Observations, empty_like, put_rows, rows_of
+from adapt_envs.observation import Observations, put_rows, rows_of
 from adapt_envs.physics import PhysicsBatch
 from adapt_envs.spawn import moved, standing_lift
 from adapt_envs.suite import TaskSpec, preferred_speeds
@@ -93,7 +93,7 @@ class Worlds:
         """Start the worlds `ids` anew from states of the motion with new goals; held goals stay held.
 
         Args:
-            ids: (n,) worlds.
+            ids: (n,) worlds; all of them the first time.
             start: number of the start state, below `reference.num_states`; None draws it.
 
         Returns:
@@ -111,9 +111,11 @@ class Worlds:
         features = heading_frame_features(history, self.ground.floor_at(self.root_xy[ids]))
         fresh = self._observed(features, ids)
         if self._last is None:
-            self._last = empty_like(fresh, len(self._all))
             self._features[ids] = features
-        put_rows(self._last, ids, fresh)
+        if self._last is None or len(ids) == len(self._all):  # what `step` returned before belongs to the caller
+            self._last = fresh
+        else:
+            put_rows(self._last, ids, fresh)
         return fresh
 
     def _placed(

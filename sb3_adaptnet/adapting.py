@@ -66,13 +66,21 @@ class AdaptingPolicy(ObjectivePolicy):
         warnings.warn(f"{self._missing}; the policy cannot act unless a saved state is loaded into it", stacklevel=4)
         return Base(Backbone(Architecture(self.joints)), file.stem, "", {})
 
+    def check_base_found(self) -> None:
+        """Refuse to begin without a base.
+
+        Raises:
+            CheckpointError: if the base's file was missing and nothing was loaded since.
+        """
+        if self._missing is not None:
+            raise self._missing
+
     def adapt(self, base: Backbone) -> Actor:
         """The actor at the start of training, made from a base for this character's joints."""
         raise NotImplementedError
 
     def _split(self, obs: PyTorchObs) -> Observation:
-        if self._missing is not None:
-            raise self._missing
+        self.check_base_found()
         return super()._split(obs)
 
     def describe_actor(self) -> dict[str, Any]:

@@ -1,10 +1,12 @@
 """Turns stock PPO into the paper's multi-objective imitation learner (sec. 6, eqs. 9-12)."""
 
-from collections.abc import Mapping
+import weakref
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import obs_as_tensor
 
@@ -27,7 +29,7 @@ class DiscriminatorRewardCallback(BaseCallback):
     discriminators for one pass, scores the windows (eq. 11), sets every objective's reward to ``terminal_reward``
     where an episode ended by a fall, lost or diverged, adds the bootstrap of time limits per objective, and fills the
     buffer's advantages (eq. 9). It needs a policy of this package and an environment with ``pose_windows`` and
-    ``sample_reference_windows``.
+    ``sample_reference_windows``, without ``VecNormalize``. With another model it begins with fresh discriminators.
 
     Attributes:
         objectives: Names in the order of the critic's columns.
@@ -76,6 +78,8 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.metrics: dict[str, float] = {}
         self.kl: float | None = None
         self.rng = np.random.default_rng()
+        self._learner: Callable[[], BaseAlgorithm | None] = lambda: None  # whose discriminators these are
+        self._in_training = False
 
     def _init_callback(self) -> None:
         model: Any = self.model
@@ -84,14 +88,21 @@ class DiscriminatorRewardCallback(BaseCallback):
                 f"DiscriminatorRewardCallback needs one of this package's policies (AdaptNetPolicy, PretrainPolicy), "
                 f"not {type(model.policy).__name__}"
             )
+        normalizing = model.get_vec_normalize_env()
+        if normalizing is not None and (normalizing.norm_obs or normalizing.norm_reward):
+            raise ValueError(
+                "leave VecNormalize out: the policies normalise by themselves, and a base must see what it knows"
+            )
         model.policy.set_objectives(self._weights_now())
-        self._stock_normalize_advantage = model.normalize_advantage
+        if not self._in_training:
+            self._stock_normalize_advantage, self._in_training = model.normalize_advantage, True
         model.normalize_advantage = False  # advantages are standardised per objective already
         self._install_buffer()
         self.rollout = Rollout(model.n_steps, model.n_envs)
-        if self.imitation is None:
+        if self.imitation is None or self._learner() is not model:
             self.rng = np.random.default_rng(model.seed)
             self._build_discriminators()
+        self._learner = weakref.ref(model)
 
     def _weights_now(self) -> list[float]:
         return [value_at(weight, self.model.num_timesteps) for weight in self.weights.values()]
@@ -121,6 +132,7 @@ class DiscriminatorRewardCallback(BaseCallback):
 
     def _on_training_end(self) -> None:
         self.model.normalize_advantage = self._stock_normalize_advantage  # type: ignore[attr-defined]
+        self._in_training = False
 
     def _on_rollout_start(self) -> None:
         self.rollout.clear()

@@ -60,7 +60,8 @@ def hyperparameters(env_id: str, base: str | None = None, conf_file: str | Path 
         ``n_steps``, ``batch_size``, ``policy_kwargs`` and so on, a fresh dict.
 
     Raises:
-        ValueError: If the file or the id is unknown, or the entry holds a key that nothing reads.
+        ValueError: If the file is unknown, it has neither an entry for the id nor a `default`, or the entry holds a key
+            that nothing reads.
     """
     return dict(experiment(env_id, base, conf_file).ppo)
 
@@ -131,7 +132,8 @@ def read_entry(file: Path, env_id: str) -> dict[str, Any]:
         raise ValueError(f"{file} is not a YAML file: {' '.join(str(error).split())}") from error
     if not isinstance(entries, dict):
         raise ValueError(f"{file} must hold a mapping from environment ids to their settings")
-    entry = entries.get(env_id, entries.get(FALLBACK))
+    names = (env_id, env_id.rpartition(":")[2], FALLBACK)  # "module:id" may have an entry of its own, or its id's
+    entry = next((entries[name] for name in names if name in entries), None)
     if not isinstance(entry, dict):
         known = ", ".join(key for key in entries if not str(key).startswith("."))
         raise ValueError(f"{file.name} has no entry for {env_id!r}; it has: {known}")
@@ -145,8 +147,10 @@ def _refuse_unknown(where: str, given: Mapping[str, Any], valid: tuple[str, ...]
 
 
 def _number(where: str, key: str, value: Any) -> Any:
-    """Refuse numbers that YAML reads as text (5e-6)."""
-    if isinstance(value, str) and not value.startswith("lin_"):
+    """Refuse numbers that YAML reads as text (5e-6), and rl_zoo3's schedules."""
+    if isinstance(value, str) and value.startswith("lin_"):
+        raise ValueError(f"{where}: {key} is {value!r}, a schedule; write a number, kl_range steers it")
+    if isinstance(value, str):
         try:
             float(value)
         except ValueError:

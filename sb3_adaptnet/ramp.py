@@ -1,6 +1,9 @@
 """Environment attributes that change while training goes on: pushes that grow, and the like."""
 
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecEnv
+
+from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
 class AttributeRamp(BaseCallback):
@@ -30,10 +33,24 @@ class AttributeRamp(BaseCallback):
         """Value after ``done`` samples."""
         return self.first + (self.last - self.first) * min(done / self.samples, 1.0)
 
+    def _init_callback(self) -> None:
+        try:
+            self.training_env.get_attr(self.attribute)
+        except AttributeError as error:
+            raise ValueError(f"the environment has no attribute {self.attribute!r} that a ramp could move") from error
+
     def _on_step(self) -> bool:
         return True
 
     def _on_rollout_start(self) -> None:
         value = self.value(self.model.num_timesteps)
-        self.training_env.set_attr(self.attribute, value)
+        set_in_worlds(self.training_env, self.attribute, value)
         self.logger.record(f"rollout/{self.attribute}", value)
+
+
+def set_in_worlds(env: VecEnv, attribute: str, value: float) -> None:
+    """Set an attribute of the worlds themselves, where ``set_attr`` would stop at the outermost ``gym.Wrapper``."""
+    if isinstance(env.unwrapped, AdaptVecEnv):
+        env.set_attr(attribute, value)
+    else:
+        env.env_method("set_wrapper_attr", attribute, value)

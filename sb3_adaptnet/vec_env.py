@@ -33,7 +33,7 @@ class AdaptVecEnv(VecEnv):
         num_envs: int = 512,
         num_threads: int | None = None,
         seed: int | None = None,
-        stagger: bool = True,
+        stagger: bool = False,
         **env_kwargs: Any,
     ) -> None:
         """Make the worlds.
@@ -43,7 +43,7 @@ class AdaptVecEnv(VecEnv):
             num_envs: Number of worlds N.
             num_threads: Physics threads; None takes all cores.
             seed: Seed of the first reset.
-            stagger: Spread the first episodes' lengths, so that time limits do not all come at once.
+            stagger: For training: shorten the episodes that a reset begins, so that time limits come apart.
             **env_kwargs: Further arguments of the environment.
 
         Raises:
@@ -123,7 +123,14 @@ class AdaptVecEnv(VecEnv):
         return [value[i] if per_world else value for i in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Set an attribute for all worlds; single worlds have none of their own."""
+        """Set an attribute that the worlds have, for all of them; single worlds have none of their own.
+
+        Raises:
+            AttributeError: If they have none of this name.
+            ValueError: If only some worlds are named.
+        """
+        if not hasattr(self.worlds.unwrapped, attr_name):
+            raise AttributeError(f"{type(self.worlds.unwrapped).__name__} has no attribute {attr_name!r} to set")
         if indices is not None and len(list(self._get_indices(indices))) != self.num_envs:
             raise ValueError(f"{attr_name!r} can only be set for all {self.num_envs} worlds at once")
         setattr(self.worlds.unwrapped, attr_name, value)

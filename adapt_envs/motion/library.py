@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -34,19 +35,38 @@ def ships(name_or_file: str) -> bool:
     return name_or_file.lower() in (name.lower() for name in CLIPS)
 
 
-@lru_cache(maxsize=32)
 def load_clip(name_or_file: str) -> MotionClip:
-    """A shipped clip by name, or a clip file (`.npz`) by path.
+    """A shipped clip by name, or a clip file (`.npz`) by path; a file that did not change is read once.
 
     Raises:
         MotionError: for a name that is neither, listing the names that ship, or for an unusable file.
     """
+    return _load(_version(name_or_file))
+
+
+class _Version(NamedTuple):
+    """A clip file as it is now: where it lies and, if it is there, when it was written and how large it is."""
+
+    path: Path
+    written: tuple[int, int] | None
+
+
+def _version(name_or_file: str) -> _Version:
     by_name = {name.lower(): path for name, path in CLIPS.items()}
     if name_or_file.lower() in by_name:
-        return MotionClip.load(asset_path(by_name[name_or_file.lower()]))
-    if Path(name_or_file).suffix != ".npz" and not Path(name_or_file).exists():
+        return _Version(asset_path(by_name[name_or_file.lower()]), None)
+    path = Path(name_or_file)
+    if path.suffix != ".npz" and not path.exists():
         raise MotionError(f"no motion named {name_or_file!r}; names are {', '.join(CLIPS)}, or give a clip's .npz file")
-    return MotionClip.load(name_or_file)
+    if not path.is_file():
+        return _Version(path, None)  # what is wrong with it is for loading to say
+    status = path.stat()
+    return _Version(path.resolve(), (status.st_mtime_ns, status.st_size))
+
+
+@lru_cache(maxsize=32)
+def _load(version: _Version) -> MotionClip:
+    return MotionClip.load(version.path)
 
 
 @dataclass(frozen=True)
@@ -156,7 +176,6 @@ class ReferenceMotion:
         return (angles - (low + high) / 2) / (high - low)
 
 
-@lru_cache(maxsize=16)
 def reference_motion(
     name_or_file: str, morphology: Morphology | None = None, locked: tuple[str, ...] = ()
 ) -> ReferenceMotion:
@@ -164,7 +183,12 @@ def reference_motion(
 
     Many environments share one; it never changes.
     """
-    return ReferenceMotion([load_clip(name_or_file)], compile_model(build_character(morphology, locked)))
+    return _reference_motion(_version(name_or_file), morphology, locked)
+
+
+@lru_cache(maxsize=16)
+def _reference_motion(version: _Version, morphology: Morphology | None, locked: tuple[str, ...]) -> ReferenceMotion:
+    return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)))
 
 
 @lru_cache(maxsize=1)

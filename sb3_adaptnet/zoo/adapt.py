@@ -12,12 +12,11 @@ from sb3_adaptnet.hyperparameters import experiment
 from sb3_adaptnet.resources import WEIGHT_SUFFIX
 from sb3_adaptnet.zoo.acting import Bar
 from sb3_adaptnet.zoo.export import export
-from sb3_adaptnet.zoo.run_folder import RUNS, RunFolder, RunSettings
+from sb3_adaptnet.zoo.run_folder import MOTION, RUNS, RunFolder, RunSettings
 from sb3_adaptnet.zoo.train import INTERRUPTED, positive
 from sb3_adaptnet.zoo.training import resume, start
 
 STYLE_ENV = "AdaptNet/Humanoid-Style-v0"
-CLIP_FILE = "motion.npz"  # the clip as it was trained on, in the run's folder
 
 
 def add_parser(subparsers: Any) -> None:
@@ -66,13 +65,13 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
     if (path / "run.json").exists():
         raise ValueError(f"{path} holds a run already; continue it with --resume {path}, or choose --run-dir")
     path.mkdir(parents=True, exist_ok=True)
-    clip.save(path / CLIP_FILE)
+    clip.save(path / MOTION)
     settings = RunSettings(
         env_id=STYLE_ENV,
         samples=options.samples or experiment(STYLE_ENV, options.base).samples,
         seed=options.seed,
         base=options.base,
-        motion=str((path / CLIP_FILE).resolve()),
+        motion=str(path / MOTION),
         n_envs=options.n_envs,
         device=options.device,
         threads=options.threads,

@@ -3,16 +3,18 @@
 import json
 import os
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import torch
 import yaml
 
+from adapt_envs.motion.library import load_clip, ships
 from sb3_adaptnet.hyperparameters import Experiment, conf_path, experiment, read_entry
 
 RUNS = Path("runs")
+MOTION = "motion.npz"  # the clip as it was trained on, if it is none of those that ship
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,7 @@ class RunFolder:
     Attributes:
         path: The folder.
         settings: What was asked for.
+        motion: A copy of the clip, if it does not ship: the folder may be moved.
         config: The zoo's entry as it was when the run began; a resumed run reads it again.
     """
 
@@ -55,6 +58,7 @@ class RunFolder:
         """Name a folder; nothing is written."""
         self.path, self.settings = path, settings
         self.config = path / "config.yml"
+        self.motion = path / MOTION
         self.checkpoint = path / "checkpoint.pt"
         self.progress = path / "progress.csv"
         self.curve = path / "curve.png"
@@ -71,6 +75,9 @@ class RunFolder:
         if (folder.path / "run.json").exists():
             raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
         folder.path.mkdir(parents=True, exist_ok=True)
+        if settings.motion is not None and not ships(settings.motion):
+            load_clip(settings.motion).save(folder.motion)
+            settings = replace(settings, motion=str(folder.motion))
         config = yaml.safe_dump({settings.env_id: entry}, sort_keys=False)
         write_atomically(folder.config, lambda stream: stream.write(config.encode()))
         folder.write_settings(settings)
@@ -89,7 +96,10 @@ class RunFolder:
             raise ValueError(f"no training run at {path}: it has no run.json")
         try:
             values = json.loads(file.read_text(encoding="utf-8"))
-            return cls(folder, RunSettings(**{f.name: values[f.name] for f in fields(RunSettings)}))
+            settings = RunSettings(**{f.name: values[f.name] for f in fields(RunSettings)})
+            if settings.motion == MOTION:
+                settings = replace(settings, motion=str(folder / MOTION))
+            return cls(folder, settings)
         except (ValueError, KeyError, TypeError) as error:
             raise ValueError(f"{file} is damaged: {error}") from error
 
@@ -103,17 +113,18 @@ class RunFolder:
         return experiment(self.settings.env_id, self.settings.base, self.config)
 
     def write_settings(self, settings: RunSettings) -> None:
-        """Write ``run.json``."""
+        """Write ``run.json``; a clip of the folder's own is named without the folder, which may move."""
         self.settings = settings
-        text = json.dumps(asdict(settings), indent=2) + "\n"
+        motion = MOTION if settings.motion == str(self.motion) else settings.motion
+        text = json.dumps(asdict(replace(settings, motion=motion)), indent=2) + "\n"
         write_atomically(self.path / "run.json", lambda stream: stream.write(text.encode()))
 
     def save(self, state: dict[str, Any]) -> None:
         """Write the checkpoint; a kill at any moment leaves the old or the new one whole."""
         write_atomically(self.checkpoint, lambda stream: torch.save(state, stream))
 
-    def load(self, device: str | torch.device = "cpu") -> dict[str, Any]:
-        """Read the checkpoint: tensors and plain values alone, no code runs.
+    def load(self) -> dict[str, Any]:
+        """Read the checkpoint, tensors and plain values alone (no code runs), into main memory.
 
         Raises:
             ValueError: If there is none, or it cannot be read.
@@ -121,7 +132,7 @@ class RunFolder:
         if not self.checkpoint.is_file():
             raise ValueError(f"{self.path} has no checkpoint yet")
         try:
-            return torch.load(self.checkpoint, map_location=device, weights_only=True)
+            return torch.load(self.checkpoint, map_location="cpu", weights_only=True)
         except Exception as error:  # torch raises many kinds for a cut or foreign file
             raise ValueError(f"{self.checkpoint} is not a checkpoint of this program, or is cut short") from error
 

@@ -39,10 +39,11 @@ class RunSaver(BaseCallback):
         self._stop = False
 
     def _init_callback(self) -> None:
-        self._clock = self._saved = time.monotonic()
+        self._clock = time.monotonic()
+        self._saved = float("-inf")  # a run that dies early can be resumed as well
         if self.resume is not None:
             restore(self.model, self.discriminators, self.resume)
-            self.resume = None
+            self.resume, self._saved = None, self._clock
 
     def ask_to_stop(self) -> None:
         """End training at the next step of the worlds; may be called from a signal handler."""

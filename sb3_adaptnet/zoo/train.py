@@ -8,7 +8,7 @@ from sb3_adaptnet.zoo.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.zoo.training import resume, start
 
 INTERRUPTED = 130  # exit code after Ctrl-C, as shells have it
-FROM_SCRATCH_ONLY = ("seed", "conf_file", "base", "motion", "n_envs", "device", "threads", "run_dir")
+FROM_SCRATCH_ONLY = ("seed", "conf_file", "base", "motion", "n_envs", "run_dir")
 
 
 def add_parser(subparsers: Any) -> None:
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     shown = {"minutes": options.minutes, "quiet": options.quiet}
     if options.resume is not None:
         refuse_changes(options)
-        folder = resume(options.resume, options.samples, **shown)
+        folder = resume(options.resume, options.samples, options.device, options.threads, **shown)
     else:
         folder = start(settings_of(options), options.run_dir, **shown)
     return report(folder)
@@ -85,7 +85,8 @@ def refuse_changes(options: argparse.Namespace) -> None:
     """
     given = [name for name in FROM_SCRATCH_ONLY if getattr(options, name) is not None]
     if given:
-        raise ValueError(f"--{given[0].replace('_', '-')} cannot change in a resumed run; only --samples can")
+        option = given[0].replace("_", "-")
+        raise ValueError(f"--{option} cannot change in a resumed run; --samples, --device and --threads can")
     asked, has = options.env_id, RunFolder.open(options.resume).settings.env_id
     if asked is not None and asked != has:
         raise ValueError(f"the run {options.resume} trains on {has}, not {asked}")

@@ -12,6 +12,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import configure
 
+from sb3_adaptnet.adapting import AdaptingPolicy
 from sb3_adaptnet.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.hyperparameters import Experiment, experiment
 from sb3_adaptnet.ramp import AttributeRamp
@@ -71,7 +72,7 @@ def build_learner(
 
 def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv:
     """Make the run's vector environment."""
-    kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs}
+    kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs, "stagger": True}
     kwargs.update(training_ground(spec_of(settings.env_id), settings.seed))
     kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
     if settings.motion is not None:
@@ -82,15 +83,19 @@ def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> A
 def start(settings: RunSettings, run_dir: str | Path | None = None, **options: Any) -> RunFolder:
     """Train from the beginning in a new folder; options are ``learn``'s."""
     learner = build_learner(settings)
+    if isinstance(learner.model.policy, AdaptingPolicy):
+        learner.model.policy.check_base_found()
     return learn(learner, RunFolder.new(settings, run_dir), **options)
 
 
-def resume(run: str | Path, samples: int | None = None, **options: Any) -> RunFolder:
+def resume(
+    run: str | Path, samples: int | None = None, device: str | None = None, threads: int | None = None, **options: Any
+) -> RunFolder:
     """Go on with a run from its last checkpoint, by its own ``config.yml``; all states as they were."""
     folder = RunFolder.open(run)
-    state = folder.load(folder.settings.device)
-    if samples is not None:
-        folder.write_settings(replace(folder.settings, samples=samples))
+    state = folder.load()
+    changes: dict[str, Any] = {"samples": samples, "device": device, "threads": threads}
+    folder.write_settings(replace(folder.settings, **{name: new for name, new in changes.items() if new is not None}))
     learner = build_learner(folder.settings, folder.experiment, int(state["samples"]))
     return learn(learner, folder, state=state, **options)
 

@@ -7,6 +7,7 @@ from adapt_envs import rotations
 from adapt_envs.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from adapt_envs.motion.clip import MotionClip, MotionError
+from adapt_envs.motion.library import load_clip, reference_motion
 
 MODEL = compile_model()
 JOINTS = tuple(MODEL.actuator(i).name for i in range(MODEL.nu))
@@ -86,3 +87,12 @@ def test_foreign_files_get_one_sentence(tmp_path, content):
         MotionClip.load(path)
     with pytest.raises(MotionError, match="no such file"):
         MotionClip.load(tmp_path / "missing.npz")
+
+
+def test_a_clip_file_that_changed_is_read_again(tmp_path):
+    file = tmp_path / "mine.npz"
+    for name in ("Stoop", "Limp"):
+        load_clip(name).save(file)
+        assert load_clip(str(file)).digest == load_clip(name).digest
+        assert reference_motion(str(file)).clips[0].digest == load_clip(name).digest
+    assert load_clip(str(file)) is load_clip(str(file))

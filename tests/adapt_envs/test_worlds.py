@@ -127,6 +127,10 @@ def test_a_diverged_world_ends_alone_with_its_last_finite_observation():
         assert rewards[world] == 0
     assert np.isfinite(after).all()
     assert np.isfinite(env.pose_windows).all()
+    assert env.step(pose)[4] == {}, "the restarted worlds are sound again"
+    env.worlds.physics.qvel[2, 8] = 1e12
+    assert env.step(pose)[4]["final_info"]["end"][2] == "diverged"
+    assert env.diverged_worlds == 3
     alone = make_vector(env_id("Walk"), 6)
     alone.reset(seed=0)
     alone.step(pose)
@@ -134,11 +138,21 @@ def test_a_diverged_world_ends_alone_with_its_last_finite_observation():
     assert np.array_equal(after[[0, 1, 3, 5]], untouched[[0, 1, 3, 5]])
 
 
+def test_what_a_step_returned_outlives_a_reset():
+    env = make_vector(env_id("Walk"), 3)
+    env.reset(seed=0)
+    observations, *_ = env.step(np.tile(env.single_action_space.mean_pose, (3, 1)))
+    kept = observations.copy()
+    env.reset(seed=5)
+    assert np.array_equal(observations, kept)
+
+
 def test_stagger_spreads_the_first_time_limits():
     env = make_vector(env_id("Walk"), 256, stagger=True)
-    env.reset(seed=0)
-    assert env.worlds.steps.std() > 60
-    assert env.worlds.steps.max() < 300
+    for _ in range(2):
+        env.reset(seed=0)
+        assert env.worlds.steps.std() > 60
+        assert env.worlds.steps.max() < 300
     plain = make_vector(env_id("Walk"), 8)
     plain.reset(seed=0)
     assert (plain.worlds.steps == 0).all()

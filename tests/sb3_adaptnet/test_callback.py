@@ -5,7 +5,7 @@ import pytest
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor, VecNormalize
 from toy_env import ToyEnv, ToyVectorEnv
 
 from sb3_adaptnet import (
@@ -270,3 +270,31 @@ def test_a_ramp_moves_an_attribute_with_the_samples():
     assert seen == pytest.approx([0.2, 0.15, 0.1, 0.1])
     with pytest.raises(ValueError, match="positive.*0"):
         AttributeRamp("drift", 0.0, 1.0, samples=0)
+
+
+def test_a_ramp_needs_something_to_move():
+    with pytest.raises(ValueError, match="no attribute 'drifft'"):
+        make_model(AdaptVecEnv(ToyVectorEnv(4))).learn(64, callback=AttributeRamp("drifft", 0.2, 0.1, samples=128))
+
+
+def test_vec_normalize_is_refused():
+    with pytest.raises(ValueError, match="leave VecNormalize out"):
+        make_model(VecNormalize(AdaptVecEnv(ToyVectorEnv(4)))).learn(64, callback=make_callback())
+
+
+def test_another_model_gets_discriminators_of_its_own():
+    callback, first = make_callback(), make_model(AdaptVecEnv(ToyVectorEnv(4)))
+    first.learn(64, callback=callback)
+    kept = callback.imitation
+    first.learn(64, callback=callback)
+    assert callback.imitation is kept
+    make_model(AdaptVecEnv(ToyVectorEnv(4))).learn(64, callback=callback)
+    assert callback.imitation is not kept
+
+
+def test_the_stock_setting_returns_however_often_the_callback_was_initialised():
+    callback, model = make_callback(), make_model(AdaptVecEnv(ToyVectorEnv(4)))
+    model.normalize_advantage = True
+    callback.init_callback(model)
+    model.learn(64, callback=callback)
+    assert model.normalize_advantage

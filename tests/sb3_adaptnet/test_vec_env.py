@@ -4,17 +4,18 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from stable_baselines3.common.monitor import Monitor
-from stable_baselines3.common.vec_env import VecMonitor
+from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 from toy_env import ToyVectorEnv
 
 from sb3_adaptnet import AdaptVecEnv
 from sb3_adaptnet.hyperparameters import experiment
+from sb3_adaptnet.ramp import set_in_worlds
 from sb3_adaptnet.windows import pose_windows, reference_windows
 from sb3_adaptnet.zoo.run_folder import RunSettings
 from sb3_adaptnet.zoo.training import make_worlds
 from sb3_adaptnet.zoo.vec_env import ZooVecEnv, training_ground
 
-WALK = "AdaptNet/Humanoid-Walk-v0"
+WALK, PUSHES = "AdaptNet/Humanoid-Walk-v0", "AdaptNet/Humanoid-PushWalk-v0"
 
 
 def actions(env, rng):
@@ -99,6 +100,17 @@ def test_windows_through_every_door():
     assert env.env_method("sample_reference_windows", 3, rng, indices=[0])[0].shape == (3, 5, 15, 7)
     with pytest.raises(ValueError, match="all 4 worlds"):
         env.set_attr("drift", 0.2, indices=[1])
+    with pytest.raises(AttributeError, match="no attribute 'drifft'"):
+        env.set_attr("drifft", 0.2)
+
+
+def test_ramps_reach_worlds_behind_wrappers():
+    for env in (DummyVecEnv([lambda: gym.make(PUSHES)]), AdaptVecEnv(PUSHES, num_envs=2, num_threads=1)):
+        set_in_worlds(env, "push_scale", 0.25)
+        assert env.get_attr("push_scale")[0] == 0.25
+        worlds = env.envs[0].unwrapped if isinstance(env, DummyVecEnv) else env.worlds.unwrapped
+        assert worlds.worlds.pushes.scale == 0.25
+        env.close()
 
 
 def test_from_an_id_a_spec_and_zoos_functions():

@@ -13,9 +13,11 @@ from pathlib import Path
 import pytest
 import torch
 import yaml
+from stable_baselines3.common.callbacks import BaseCallback
 
 from adapt_envs import SUITE, env_id
-from sb3_adaptnet import FinetunePolicy, callbacks, hyperparameters, load_policy
+from adapt_envs.motion.library import load_clip
+from sb3_adaptnet import FinetunePolicy, PretrainPolicy, callbacks, hyperparameters, load_policy
 from sb3_adaptnet.hyperparameters import experiment
 from sb3_adaptnet.points import value_at
 from sb3_adaptnet.resources import zoo_config_path
@@ -25,7 +27,7 @@ from sb3_adaptnet.zoo.export import export
 from sb3_adaptnet.zoo.random_state import random_states, restore_random_states
 from sb3_adaptnet.zoo.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.zoo.saver import restore, snapshot
-from sb3_adaptnet.zoo.training import build_learner, resume, start
+from sb3_adaptnet.zoo.training import build_learner, learn, resume, start
 
 ROOT = Path(__file__).resolve().parents[2]
 TOY = "toy_env:Toy-v0"
@@ -75,6 +77,17 @@ def test_every_environment_has_an_entry(file, name):
     for samples in (0, entry.samples):
         weights = [value_at(weight, samples) for weight in callback["objective_weights"].values()]
         assert sum(weights) == pytest.approx(1.0)
+
+
+def test_an_id_may_name_its_module():
+    plain, named = (experiment(name) for name in (env_id("PushWalk"), f"adapt_envs:{env_id('PushWalk')}"))
+    assert named.callbacks == plain.callbacks and len(named.callbacks) == 2
+    assert experiment(f"adapt_envs:{env_id('Walk')}").policy is PretrainPolicy
+
+
+def test_schedules_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="learning_rate is 'lin_1e-4', a schedule; write a number"):
+        experiment(TOY, conf_file=conf(tmp_path, learning_rate="lin_1e-4"))
 
 
 def test_finetuning_differs_from_adapting_by_its_policy_alone():
@@ -180,6 +193,44 @@ def test_a_run_keeps_the_settings_it_began_with(tmp_path):
         resume(folder.path, 192, quiet=True)
 
 
+def test_a_run_without_its_base_leaves_nothing(tmp_path, capsys):
+    finetuning = conf(tmp_path, policy="sb3_adaptnet.FinetunePolicy", policy_kwargs={"critic_lr": 6.0e-4})
+    words = ["train", TOY, "--conf-file", finetuning, "--base", "nosuch.safetensors"]
+    with pytest.warns(UserWarning, match="no base file"):
+        assert main([*words, "--run-dir", str(tmp_path / "run")]) == 2
+    assert "no base file 'nosuch.safetensors'" in capsys.readouterr().err and not (tmp_path / "run").exists()
+
+
+def test_a_run_can_be_resumed_from_its_first_moment(tmp_path):
+    class Killed(Exception):
+        pass
+
+    class Killer(BaseCallback):
+        def _on_step(self):
+            raise Killed
+
+    learner = build_learner(settings(tmp_path))
+    learner.others.append(Killer())
+    with pytest.raises(Killed):
+        learn(learner, folder := RunFolder.new(settings(tmp_path), tmp_path / "run"), quiet=True)
+    assert folder.load()["samples"] == 0
+    assert resume(folder.path, 64, threads=1, device="cpu", quiet=True).load()["samples"] == 64
+
+
+def test_a_run_keeps_its_clip_when_it_moves(tmp_path):
+    clip = load_clip("Stoop")
+    clip.save(tmp_path / "mine.npz")
+    asked = RunSettings(env_id("Style"), samples=64, motion=str(tmp_path / "mine.npz"))
+    RunFolder.new(asked, tmp_path / "here")
+    (tmp_path / "mine.npz").unlink()
+    moved = (tmp_path / "here").rename(tmp_path / "there")
+    folder = RunFolder.open(moved)
+    assert folder.settings.motion == str(moved / "motion.npz")
+    assert load_clip(folder.settings.motion).digest == clip.digest
+    folder.write_settings(folder.settings)
+    assert json.loads((moved / "run.json").read_text())["motion"] == "motion.npz"
+
+
 def test_callbacks_are_made_anew_each_time():
     first, again = callbacks(env_id("PushWalk")), callbacks(env_id("PushWalk"))
     assert [type(callback).__name__ for callback in first] == ["DiscriminatorRewardCallback", "AttributeRamp"]
@@ -231,7 +282,7 @@ def wait_for(condition, process, seconds=120):
 def test_goes_on_after_kill_9_and_saves_at_ctrl_c(tmp_path):
     folder = RunFolder(tmp_path / "run", settings(tmp_path))
     process = train_command(tmp_path)
-    wait_for(folder.checkpoint.exists, process)
+    wait_for(lambda: folder.checkpoint.exists() and folder.load()["samples"] > 0, process)
     time.sleep(0.3)
     process.kill()
     process.wait()
