@@ -96,6 +96,7 @@ class ObjectivePolicy(ActorCriticPolicy):
         self._rates = {"actor": actor_lr, "critic": critic_lr}
         self._learning_rate = float(lr_schedule(1))
         self.objective_weights: tuple[float, ...] = (1.0,)
+        self._objectives_set = False  # by the callback of this training; a loaded model only remembers its weights
         self.base_code: torch.Tensor | None = None
         self._collected = 0  # samples since the last update
 
@@ -162,7 +163,7 @@ class ObjectivePolicy(ActorCriticPolicy):
         if len(weights) == 0:
             raise ValueError("set_objectives needs at least one weight")
         changed = len(weights) != self.num_objectives
-        self.objective_weights = tuple(float(weight) for weight in weights)
+        self.objective_weights, self._objectives_set = tuple(float(weight) for weight in weights), True
         if changed:
             self.critic.set_objectives(len(weights))
             self._make_optimizer()
@@ -226,7 +227,14 @@ class ObjectivePolicy(ActorCriticPolicy):
 
         Returns:
             Actions (B, n), values (B, K) in real units, log-probabilities (B,).
+
+        Raises:
+            RuntimeError: if the policy was loaded with several objectives and nobody set them again.
         """
+        if self.num_objectives > 1 and not self._objectives_set:
+            raise RuntimeError(
+                f"this model learned with {self.num_objectives} objectives: pass DiscriminatorRewardCallback to learn()"
+            )
         observation = self._with_base_code(self._split(obs))
         self.base_code = observation.base_code
         self._count(len(observation.goal))

@@ -259,6 +259,8 @@ def test_adapting_a_base_with_the_callback(policy, base_file, tmp_path):
         again = PPO.load(tmp_path / "model", env=env)
     observations = env.reset()
     assert np.array_equal(*(m.predict(observations, deterministic=True)[0] for m in (model, again)))
+    with pytest.raises(RuntimeError, match="learned with 2 objectives: pass DiscriminatorRewardCallback"):
+        again.learn(16 * 16, reset_num_timesteps=False)
     again.learn(16 * 16, callback=make_callback(), reset_num_timesteps=False)
 
 
