@@ -25,7 +25,7 @@ from sb3_adaptnet.zoo.eval import seconds_of
 from sb3_adaptnet.zoo.export import export
 from sb3_adaptnet.zoo.run_folder import RUNS, RunFolder, RunSettings
 from sb3_adaptnet.zoo.train import INTERRUPTED, positive
-from sb3_adaptnet.zoo.training import build_learner, learn
+from sb3_adaptnet.zoo.training import start
 
 SAMPLES, MINUTES, SECONDS = 900_000, 6.5, 300.0
 """Training's budget, whichever ends first, and simulated seconds of each evaluation: under 10 minutes in all."""
@@ -101,9 +101,8 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     settings = RunSettings(env_id(options.style), options.samples, base=options.base, n_envs=options.n_envs)
     base = Path(options.base).stem
     print(f"1/3 adapting {base} to {options.style}: {options.samples:,} samples or {options.minutes:g} minutes")
-    learner, limit = build_learner(settings), TimeLimit(options.minutes)
-    learner.others.append(limit)
-    folder = learn(learner, RunFolder.new(settings, path))
+    limit = TimeLimit(options.minutes)
+    folder = start(settings, path, callbacks=[limit])
     finished = limit.over or folder.load()["samples"] >= options.samples
     return folder if finished else None
 

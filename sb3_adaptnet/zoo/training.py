@@ -1,7 +1,7 @@
 """Building a model from a zoo entry and training it in a run folder."""
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -80,9 +80,12 @@ def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> A
     return AdaptVecEnv(**{**kwargs, **overrides})
 
 
-def start(settings: RunSettings, run_dir: str | Path | None = None, **options: Any) -> RunFolder:
-    """Train from the beginning in a new folder; options are ``learn``'s."""
+def start(
+    settings: RunSettings, run_dir: str | Path | None = None, callbacks: Sequence[BaseCallback] = (), **options: Any
+) -> RunFolder:
+    """Train from the beginning in a new folder, with further callbacks; options are ``learn``'s."""
     learner = build_learner(settings)
+    learner.others.extend(callbacks)
     if isinstance(learner.model.policy, AdaptingPolicy):
         learner.model.policy.check_base_found()
     return learn(learner, RunFolder.new(settings, run_dir), **options)
@@ -95,8 +98,9 @@ def resume(
     folder = RunFolder.open(run)
     state = folder.load()
     changes: dict[str, Any] = {"samples": samples, "device": device, "threads": threads}
-    folder.write_settings(replace(folder.settings, **{name: new for name, new in changes.items() if new is not None}))
-    learner = build_learner(folder.settings, folder.experiment, int(state["samples"]))
+    settings = replace(folder.settings, **{name: new for name, new in changes.items() if new is not None})
+    learner = build_learner(settings, folder.experiment, int(state["samples"]))
+    folder.write_settings(settings)
     return learn(learner, folder, state=state, **options)
 
 
