@@ -3,7 +3,7 @@
 Importing the package registers the ids `AdaptNet/Humanoid-...-v0`.
 """
 
-from adapt_envs import headless as headless  # first: it chooses OpenGL's backend before MuJoCo is imported
+from adapt_envs.drawing import headless as headless  # first: it chooses OpenGL's backend before MuJoCo is imported
 from adapt_envs.env import AdaptEnv
 from adapt_envs.registration import env_id, make_vector, register, register_suite
 from adapt_envs.suite import SUITE, TaskSpec

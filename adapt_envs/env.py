@@ -6,12 +6,12 @@ import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs.observation import Observations, rows_of
-from adapt_envs.rendering import SceneRenderer, Window
+from adapt_envs.drawing.world_view import SceneRenderer, Window
+from adapt_envs.features.observation_rows import Observations, rows_of
+from adapt_envs.simulation.worlds import Worlds
 from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
 from adapt_envs.tasks.termination import DIVERGED, ENDS, RUNNING, TIME
 from adapt_envs.vector_env import RENDER_FPS, Adjustable, apply_options, check_render_mode, spaces_of
-from adapt_envs.worlds import Worlds
 
 _ALL = np.zeros(1, np.int64)
 

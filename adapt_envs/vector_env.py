@@ -8,14 +8,14 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from adapt_envs.features import OBSERVATION_SIZE
-from adapt_envs.heightmap import SIZE
-from adapt_envs.observation import Observations, put_rows, rows_of
-from adapt_envs.rendering import SceneRenderer
+from adapt_envs.drawing.world_view import SceneRenderer
+from adapt_envs.features.heading_frame import OBSERVATION_SIZE
+from adapt_envs.features.heightmap import SIZE
+from adapt_envs.features.observation_rows import Observations, put_rows, rows_of
+from adapt_envs.simulation.worlds import Worlds
 from adapt_envs.spaces import JointSpace
 from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
 from adapt_envs.tasks.termination import DIVERGED, ENDS, RUNNING, TIME
-from adapt_envs.worlds import Worlds
 
 RESET_OPTIONS = ("goal_heading", "goal_speed", "start")
 """Keys of `reset(options=...)`: a goal to hold [rad, m/s], and the number of the start state."""
@@ -181,9 +181,7 @@ class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.f
         """`n` windows (n, 5, 15, 7) of the reference motion, laid out as `pose_windows`."""
         return self.worlds.reference.sample_windows(n, rng)
 
-    def set_goal(
-        self, heading: float | None, speed: float | None, worlds: NDArray[np.integer] | None = None
-    ) -> None:
+    def set_goal(self, heading: float | None, speed: float | None, worlds: NDArray[np.integer] | None = None) -> None:
         """Hold the goal ahead in the world direction `heading` [rad] at `speed` [m/s]; None, None: random ones."""
         self.worlds.hold_goal(heading, speed, self._all if worlds is None else worlds)
 

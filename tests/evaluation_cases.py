@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from policy_cases import SIZES, disturb
 
-from adapt_envs.kinematics import Kinematics
+from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from sb3_adaptnet import AdaptNetPolicy, PretrainPolicy, save_adaptation, save_base
 from sb3_adaptnet.evaluation.recording import Recording, open_worlds

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sb3_adaptnet import load_policy
-from sb3_adaptnet.zoo.command import make_parser
+from sb3_adaptnet.commands.main import make_parser
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from sb3_adaptnet.zoo.run_folder import RunSettings
+from sb3_adaptnet.runs.run_folder import RunSettings
 
 ROOT = Path(__file__).resolve().parents[1]
 TOY = "toy_env:Toy-v0"
@@ -23,7 +23,7 @@ ENTRY = {
     "policy_kwargs": {"gru_size": 8, "hidden_sizes": [16, 8], "critic_lr": 6.0e-4},
     "callback": [
         {
-            "sb3_adaptnet.callback.DiscriminatorRewardCallback": {
+            "sb3_adaptnet.DiscriminatorRewardCallback": {
                 "objective_weights": {"imitation": 0.4, "goal": 0.6},
                 "discriminator": {"batch_size": 32, "network": {"gru": 8, "hidden": [8], "heads": 4}},
             }

@@ -6,10 +6,10 @@ import os
 import platform
 from pathlib import Path
 
-from adapt_envs.headless import GL_VARIABLE
+from adapt_envs.assets import asset_path
+from adapt_envs.drawing.headless import GL_VARIABLE
+from adapt_envs.drawing.scene import RenderingError, Scene
 from adapt_envs.model.build import compile_model
-from adapt_envs.resources import asset_path
-from adapt_envs.scene import RenderingError, Scene
 
 PACKAGES = (
     "mujoco", "gymnasium", "numpy", "torch", "stable-baselines3", "rl_zoo3", "safetensors", "opencv-python-headless",

@@ -4,7 +4,7 @@ import argparse
 
 from tqdm import tqdm
 
-from adapt_envs.gallery import snapshot, write_gallery
+from adapt_envs.commands.gallery import snapshot, write_gallery
 from adapt_envs.registration import env_id
 from adapt_envs.suite import SUITE, find
 

@@ -10,11 +10,11 @@ from typing import TypeVar
 from tqdm import tqdm
 
 from adapt_envs.commands.output import check_output
+from adapt_envs.drawing.motion_sheet import video_frames, write_sheet, write_video
 from adapt_envs.motion.clip import FPS, MotionClip
-from adapt_envs.motion.importing import SUFFIXES, import_motion
+from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
 from adapt_envs.motion.library import CLIPS, load_clip
 from adapt_envs.motion.quality import BARS, Quality, check
-from adapt_envs.motion.sheet import video_frames, write_sheet, write_video
 from adapt_envs.motion.synthesis.styles import GAITS
 
 VIDEO_SUFFIXES = (".mp4", ".gif")

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs.model.ground_paint import paint
 from adapt_envs.model.obstacles import ObstacleField, Obstacles
-from adapt_envs.model.patches import INSET, PATCH, STRIP, Patches
-from adapt_envs.model.relief import paint
+from adapt_envs.model.patch_grid import INSET, PATCH, STRIP, Patches
 from adapt_envs.model.terrain import GRID, Terrain
 
 PATCHES_PER_SIDE, PATCHES_WITH_OBSTACLES = 4, 2

@@ -4,7 +4,7 @@ import math
 
 import mujoco
 
-from adapt_envs.resources import asset_path
+from adapt_envs.assets import asset_path
 
 PHYSICS_STEPS = 4
 """Physics steps (120 Hz) per control step (30 Hz); paper, sec. 7."""

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs.model.patches import PATCH, Patches
+from adapt_envs.model.patch_grid import PATCH, Patches
 
 _BOTTOM = -1.0
 """The blocks reach down to here [m], below any ground."""

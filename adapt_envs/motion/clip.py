@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs import rotations
+from adapt_envs.features import rotations
 from adapt_envs.model.humanoid import CONTROL_DT
 
 FPS = 30

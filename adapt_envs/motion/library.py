@@ -10,13 +10,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs.features import WINDOW_FRAMES, heading_frame_features, pose_windows
-from adapt_envs.kinematics import Kinematics
+from adapt_envs.assets import asset_path
+from adapt_envs.features.heading_frame import WINDOW_FRAMES, heading_frame_features, pose_windows
+from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import build_character, compile_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.model.morphology import Morphology
 from adapt_envs.motion.clip import MotionClip, MotionError, velocities
-from adapt_envs.resources import asset_path
 
 BASES = ("walk", "run")
 """Clips of minutes that bases are trained on."""

@@ -7,7 +7,7 @@ from adapt_envs.motion.clip import MotionClip
 from sb3_adaptnet.evaluation.figures import reference_speed
 from sb3_adaptnet.evaluation.recording import record_straight
 from sb3_adaptnet.evaluation.rollout_clips import typical_clip
-from sb3_adaptnet.policy import AdaptNetPolicy
+from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 ALPHAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 
 from adapt_envs import AdaptVectorEnv
+from adapt_envs.drawing.scene import Camera, Image
+from adapt_envs.drawing.world_view import HIGH, SceneRenderer
 from adapt_envs.model.humanoid import CONTROL_DT
-from adapt_envs.rendering import HIGH, SceneRenderer
-from adapt_envs.scene import Camera, Image
 from sb3_adaptnet.evaluation.pictures import captioned
-from sb3_adaptnet.policy import AdaptNetPolicy
+from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 SECONDS, COLUMNS = 6.0, 7
 _TILE = (270, 300)

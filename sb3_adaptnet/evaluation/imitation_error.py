@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs.features import heading_frame_features
-from adapt_envs.kinematics import Kinematics
+from adapt_envs.features.heading_frame import heading_frame_features
+from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.motion.clip import MotionClip

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 from PIL import ImageDraw, ImageFont
 
-from adapt_envs import rotations
-from adapt_envs.kinematics import Kinematics
+from adapt_envs.drawing.motion_sheet import video_frames
+from adapt_envs.drawing.scene import FRONT, SIDE, Camera, Image, Scene
+from adapt_envs.features import rotations
+from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import LINKS
 from adapt_envs.motion.clip import FPS, MotionClip
-from adapt_envs.motion.sheet import video_frames
-from adapt_envs.scene import FRONT, SIDE, Camera, Image, Scene
 from sb3_adaptnet.evaluation.imitation_error import local_positions
 
 _PANE = (432, 480)

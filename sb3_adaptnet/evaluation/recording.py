@@ -46,7 +46,7 @@ class Recording:
 
     Attributes:
         qpos: (T + 1, N, nq) configurations, world frame.
-        links: (T + 1, N, 15, 13) link states, world frame (see `adapt_envs.kinematics`).
+        links: (T + 1, N, 15, 13) link states, world frame (see `adapt_envs.features.kinematics`).
         floor: (T + 1, N) height [m] of the ground below the roots.
         restarts: (T, N) whether an episode ended in the step.
         rewards: (T, N) goal rewards.

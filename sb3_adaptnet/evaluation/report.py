@@ -44,9 +44,7 @@ def text_table(figures: Mapping[str, Figures]) -> str:
     rows = [["", *figures], *cells(figures)]
     first = max(len(row[0]) for row in rows)
     widths = [max(len(row[i]) for row in rows) + 2 for i in range(1, len(rows[0]))]
-    lines = (
-        row[0].ljust(first) + "".join(c.rjust(w) for c, w in zip(row[1:], widths, strict=True)) for row in rows
-    )
+    lines = (row[0].ljust(first) + "".join(c.rjust(w) for c, w in zip(row[1:], widths, strict=True)) for row in rows)
     return "\n".join(line.rstrip() for line in lines)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs import AdaptVectorEnv
-from adapt_envs.kinematics import Kinematics
+from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.quality import foot_corners, slip_speeds

@@ -6,7 +6,7 @@ import torch
 from torch import nn
 
 from sb3_adaptnet.modules.architecture import Architecture
-from sb3_adaptnet.modules.normalizer import RunningNormalizer
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 
 

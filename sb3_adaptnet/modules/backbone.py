@@ -12,7 +12,7 @@ from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.modules.heightmap import CODE_SIZE, HeightmapEncoder, require_heightmap
-from sb3_adaptnet.modules.normalizer import RunningNormalizer
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 
 INITIAL_STD = 0.067  # of the action range [-1, 1]: enough to explore, little enough to stay on the feet

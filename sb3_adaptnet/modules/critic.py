@@ -7,9 +7,9 @@ from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import make_hidden_layers
 from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.modules.heightmap import CODE_SIZE, HeightmapEncoder, require_heightmap
-from sb3_adaptnet.modules.normalizer import RunningNormalizer
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
+from sb3_adaptnet.modules.layers.popart import PopArtHead
 from sb3_adaptnet.modules.observation import Observation
-from sb3_adaptnet.modules.popart import PopArtHead
 
 
 class Critic(nn.Module):

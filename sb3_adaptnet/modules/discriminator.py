@@ -8,7 +8,7 @@ from torch import nn
 from torch.nn import functional
 
 from sb3_adaptnet.modules.encoder import StateEncoder
-from sb3_adaptnet.modules.normalizer import RunningNormalizer, moments_of
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer, moments_of
 
 
 def unroll_gru(gru: nn.GRU, inputs: torch.Tensor) -> torch.Tensor:

@@ -3,7 +3,7 @@
 import torch
 from torch import nn
 
-from sb3_adaptnet.modules.gru import last_state
+from sb3_adaptnet.modules.layers.gru import last_state
 
 
 class StateEncoder(nn.Module):

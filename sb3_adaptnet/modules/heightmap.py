@@ -3,7 +3,7 @@
 import torch
 from torch import nn
 
-from sb3_adaptnet.modules.patches import relu_conv
+from sb3_adaptnet.modules.layers.small_conv import relu_conv
 
 HEIGHTMAP_SIZE = 35  # grid points along each side, 0.1 m apart
 CODE_SIZE = 256  # numbers in the code

@@ -8,11 +8,11 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 from toy_env import ToyVectorEnv
 
 from sb3_adaptnet import AdaptVecEnv
-from sb3_adaptnet.hyperparameters import experiment
-from sb3_adaptnet.ramp import set_in_worlds
-from sb3_adaptnet.windows import pose_windows, reference_windows
-from sb3_adaptnet.zoo.run_folder import RunSettings
-from sb3_adaptnet.zoo.training import make_worlds
+from sb3_adaptnet.objectives.attribute_ramp import set_in_worlds
+from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
+from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.runs.run_folder import RunSettings
+from sb3_adaptnet.runs.training import make_worlds
 from sb3_adaptnet.zoo.vec_env import ZooVecEnv, training_ground
 
 WALK, PUSHES = "AdaptNet/Humanoid-Walk-v0", "AdaptNet/Humanoid-PushWalk-v0"

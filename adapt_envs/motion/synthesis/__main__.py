@@ -2,8 +2,8 @@
 
 import argparse
 
+from adapt_envs.assets import asset_path
 from adapt_envs.motion.synthesis import GAITS, synthesize
-from adapt_envs.resources import asset_path
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs import rotations
+from adapt_envs.features import rotations
 from adapt_envs.motion.synthesis.feet import FootPath
 from adapt_envs.motion.synthesis.gait import Arm, Gait
 from adapt_envs.motion.synthesis.legs import HIP, REACH, euler_xyz, leg_angles, rot_x, rot_y, rot_z

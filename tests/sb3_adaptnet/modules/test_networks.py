@@ -10,12 +10,12 @@ from torch import nn
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import INITIAL_STD, Backbone
 from sb3_adaptnet.modules.critic import Critic
-from sb3_adaptnet.modules.gru import last_state
 from sb3_adaptnet.modules.heightmap import HeightmapEncoder
-from sb3_adaptnet.modules.normalizer import RunningNormalizer, moments_of
+from sb3_adaptnet.modules.layers.gru import last_state
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer, moments_of
+from sb3_adaptnet.modules.layers.popart import PopArtHead
+from sb3_adaptnet.modules.layers.small_conv import relu_conv
 from sb3_adaptnet.modules.observation import Observation, split_observation
-from sb3_adaptnet.modules.patches import relu_conv
-from sb3_adaptnet.modules.popart import PopArtHead
 
 JOINTS = tuple(f"joint_{i}" for i in range(6))
 SMALL = Architecture(JOINTS, gru_size=8, hidden_sizes=(16, 12))

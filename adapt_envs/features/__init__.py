@@ -1,0 +1,1 @@
+"""What policies and discriminators see: link states, the heading frame, the heightmap."""

@@ -1,0 +1,1 @@
+"""Motions from elsewhere: BVH and JSON files become clips of the character."""

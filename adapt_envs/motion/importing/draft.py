@@ -1,0 +1,144 @@
+"""A motion on its way to the character: poses that may break limits, and where the feet ought to be."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, Slerp
+
+from adapt_envs.features import rotations
+from adapt_envs.features.kinematics import Kinematics
+from adapt_envs.model.build import compile_model
+from adapt_envs.model.humanoid import FEET, LINKS
+from adapt_envs.motion.clip import FPS
+
+Array = NDArray[np.floating]
+_PI = np.pi
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Configurations and foot targets of T frames.
+
+    Attributes:
+        qpos: (T, 7 + J) as in `MotionClip`; joint angles may lie beyond their limits.
+        foot_pos: (T, 2, 3) where the foot frames (right, left) should be [m], world.
+        foot_quat: (T, 2, 4) how they should be turned, world.
+    """
+
+    qpos: Array
+    foot_pos: Array
+    foot_quat: Array
+
+    def __len__(self) -> int:
+        return len(self.qpos)
+
+    def rows(self, chosen: slice) -> "Draft":
+        """Some of the frames."""
+        return Draft(self.qpos[chosen], self.foot_pos[chosen], self.foot_quat[chosen])
+
+    def moved(self, shift: Array) -> "Draft":
+        """Everything moved by `shift`, (3,) or (T, 3) [m]."""
+        shift = np.broadcast_to(shift, (len(self), 3))
+        qpos = self.qpos.copy()
+        qpos[:, :3] += shift
+        return replace(self, qpos=qpos, foot_pos=self.foot_pos + shift[:, None])
+
+    def turned(self, yaw: float | Array) -> "Draft":
+        """Everything turned about the world's z axis by `yaw`, () or (T,) [rad]."""
+        turn = np.broadcast_to(rotations.from_yaw(np.asarray(yaw, dtype=np.float64)), (len(self), 4))
+        qpos = self.qpos.copy()
+        qpos[:, :3] = rotations.rotate(turn, qpos[:, :3])
+        qpos[:, 3:7] = rotations.multiply(turn, qpos[:, 3:7])
+        turn = turn[:, None]
+        return Draft(qpos, rotations.rotate(turn, self.foot_pos), rotations.multiply(turn, self.foot_quat))
+
+
+@cache
+def character() -> mujoco.MjModel:
+    """The plain character that motions are fitted to."""
+    return compile_model()
+
+
+@cache
+def joint_names() -> tuple[str, ...]:
+    """The character's joints in the order of `qpos`."""
+    model = character()
+    return tuple(model.actuator(i).name for i in range(model.nu))
+
+
+def joint_columns(joint: str) -> list[int]:
+    """Columns of `qpos` that hold a joint's angles: one hinge, or the three of `x`, `y`, `z`."""
+    return [7 + i for i, name in enumerate(joint_names()) if name == joint or name[:-2] == joint and name[-2] == "_"]
+
+
+def from_poses(qpos: Array) -> Draft:
+    """A draft whose feet are to be where its configurations put them."""
+    states = Kinematics(character()).link_states(qpos)
+    feet = states[:, [LINKS.index(name) for name in FEET]].astype(np.float64)
+    quat = feet[..., 3:7] / np.linalg.norm(feet[..., 3:7], axis=-1, keepdims=True)
+    return Draft(qpos, feet[..., :3], quat)
+
+
+def resampled(draft: Draft, frame_time: float) -> Draft:
+    """The draft at 30 Hz, from frames `frame_time` seconds apart; what is faster than 30 Hz shows is smoothed first."""
+    times = np.arange(len(draft)) * frame_time
+    wanted = np.arange(int(np.floor(times[-1] * FPS + 1e-6)) + 1) / FPS
+    if abs(frame_time * FPS - 1) < 1e-6 or len(draft) < 4:
+        return draft
+    width = max(1, round(1 / (FPS * frame_time) / 2)) if frame_time * FPS < 0.75 else 0
+    wanted = np.minimum(wanted, times[-1])
+
+    def linear(values: Array) -> Array:
+        return CubicSpline(times, _smoothed(values, width))(wanted)
+
+    def turning(quats: Array) -> Array:
+        steady = _smoothed(continuous(quats), width)
+        rotation = Rotation.from_quat(np.roll(steady, -1, axis=-1))
+        return np.roll(Slerp(times, rotation)(wanted).as_quat(), 1, axis=-1)
+
+    qpos = np.concatenate([linear(draft.qpos[:, :3]), turning(draft.qpos[:, 3:7]), linear(draft.qpos[:, 7:])], axis=1)
+    quats = np.stack([turning(draft.foot_quat[:, side]) for side in (0, 1)], axis=1)
+    return Draft(qpos, linear(draft.foot_pos), quats)
+
+
+def continuous(quats: Array) -> Array:
+    """The same rotations (T, 4) with signs chosen so that neighbours lie on the same side."""
+    flips = np.sign(np.sum(quats[1:] * quats[:-1], axis=-1))
+    flips = np.concatenate([[1.0], np.cumprod(np.where(flips == 0, 1.0, flips))])
+    return quats * flips[:, None]
+
+
+def _smoothed(values: Array, half_width: int) -> Array:
+    """Mean over 2 * half_width + 1 frames with triangular weights; the ends repeat."""
+    if half_width == 0:
+        return values
+    kernel = np.bartlett(2 * half_width + 3)[1:-1]
+    padded = np.concatenate([np.repeat(values[:1], half_width, 0), values, np.repeat(values[-1:], half_width, 0)])
+    kernel = kernel / kernel.sum()
+    shifted = np.stack([padded[i : i + len(values)] for i in range(len(kernel))])
+    return np.tensordot(kernel, shifted, axes=1)
+
+
+def angles_within(quats: Array, joint: str) -> Array:
+    """Angles (T, 3) of a three-hinge joint with Rx Ry Rz = `quats` (T, 4) [rad].
+
+    Every rotation has two sets of angles, each with whole turns to spare: taken is the one nearest to the limits and to
+    the frame before.
+    """
+    first = rotations.to_intrinsic_xyz(quats)
+    second = np.stack([first[:, 0] + _PI, _PI - first[:, 1], first[:, 2] + _PI], axis=1)
+    model = character()
+    ranges = np.array([model.jnt_range[model.joint(f"{joint}_{axis}").id] for axis in "xyz"])
+    middle = ranges.mean(axis=1)
+    sets = np.stack([middle + (angles - middle + _PI) % (2 * _PI) - _PI for angles in (first, second)], axis=1)
+    excess = np.maximum(np.maximum(sets - ranges[:, 1], ranges[:, 0] - sets), 0).sum(axis=-1)
+    chosen = np.empty_like(first)
+    previous = None
+    for frame, (options, beyond) in enumerate(zip(sets, excess, strict=True)):
+        cost = 4 * beyond if previous is None else 4 * beyond + np.abs(options - previous).sum(axis=-1)
+        previous = chosen[frame] = options[np.argmin(cost)]
+    return chosen

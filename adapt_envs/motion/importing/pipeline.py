@@ -1,0 +1,82 @@
+"""Motion files that users bring -> clips of this character: read, fit, stand on the ground, keep within limits."""
+
+from pathlib import Path
+
+import numpy as np
+
+from adapt_envs.motion.clip import MotionClip, MotionError
+from adapt_envs.motion.importing.bvh import read_bvh
+from adapt_envs.motion.importing.draft import Array, Draft, joint_names, resampled
+from adapt_envs.motion.importing.files import read_text
+from adapt_envs.motion.importing.gait_cycle import closed, find_cycle, repeated
+from adapt_envs.motion.importing.inverse_kinematics import Progress, settled
+from adapt_envs.motion.importing.official_json import read_official_json
+from adapt_envs.motion.importing.planted_feet import grounded, planted
+from adapt_envs.motion.importing.retarget import retarget
+from adapt_envs.motion.importing.skeletons import read_map, recognise
+
+SUFFIXES = (".bvh", ".json")
+"""Extensions of the files that can be imported."""
+_MIN_FRAMES = 6
+
+
+def import_motion(
+    path: str | Path, joint_map: str | Path | None = None, style: bool = False, progress: Progress = iter
+) -> MotionClip:
+    """Fit a motion file to the character.
+
+    Args:
+        path: a BVH file of any skeleton, or a JSON file of the paper's authors' format.
+        joint_map: YAML file that says which joint is which, for a BVH skeleton that is not recognised.
+        style: cut out and close one gait cycle, straight ahead, instead of the whole motion.
+        progress: wraps the frame numbers of the long part, for a progress bar.
+
+    Returns:
+        A clip at 30 Hz that stands on the ground and keeps within the joint limits.
+
+    Raises:
+        MotionError: naming file, line and problem, if the file cannot be used.
+    """
+    path = Path(path)
+    draft, frame_time = _read(path, None if joint_map is None else Path(joint_map))
+    draft = resampled(draft, frame_time)
+    if len(draft) < _MIN_FRAMES:
+        raise MotionError(f"{path}: {len(draft)} frames at 30 Hz are too few, at least {_MIN_FRAMES} are needed")
+    draft = grounded(draft)
+    origin = f"imported from {path.name}"
+    if not style:
+        draft = draft.moved(-draft.qpos[0, :3] * (1, 1, 0))
+        qpos = settled(planted(draft), progress).astype(np.float64)
+        return MotionClip(path.stem, qpos, joint_names(), origin=origin)
+    try:
+        cycle = find_cycle(draft)
+    except MotionError as error:
+        raise MotionError(f"{path}: {error}") from None
+    origin += f", frames {cycle.first} to {cycle.first + cycle.period} at 30 Hz"
+    qpos = _looped(closed(draft, cycle), progress).astype(np.float64)
+    return MotionClip(path.stem, qpos, joint_names(), cyclic=True, origin=origin)
+
+
+def _read(path: Path, joint_map: Path | None) -> tuple[Draft, float]:
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        read_text(path, SUFFIXES)  # complains
+    if suffix == ".json":
+        if joint_map is not None:
+            raise MotionError(f"{joint_map}: a map is for BVH files; {path.name} needs none")
+        return read_official_json(path)
+    bvh = read_bvh(path)
+    joints = recognise(path, bvh.names) if joint_map is None else read_map(joint_map, path, bvh.names)
+    if joints.drop is not None and joints.drop >= len(bvh.pos):
+        raise MotionError(f"{joint_map}: drop is {joints.drop}, but {path.name} has {len(bvh.pos)} frames")
+    return retarget(bvh, joints, path), bvh.frame_time
+
+
+def _looped(cycle: Draft, progress: Progress) -> Array:
+    """Solve a closed cycle amid its own repetitions, and keep the middle one."""
+    period = len(cycle) - 1
+    qpos = settled(planted(repeated(cycle, 3)), progress)[period : 2 * period + 1]
+    qpos[:, :2] -= qpos[0, :2]
+    step = cycle.qpos[-1, :2] - cycle.qpos[0, :2]
+    qpos[-1] = np.concatenate([qpos[0, :2] + step, qpos[0, 2:]])
+    return qpos

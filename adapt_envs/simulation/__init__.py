@@ -1,0 +1,1 @@
+"""The worlds: batched physics, start states, one step over arrays."""

@@ -1,0 +1,188 @@
+"""N characters with their goals: reset and step over arrays, without any notion of Gymnasium."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from adapt_envs.features import rotations
+from adapt_envs.features.heading_frame import POSE, WINDOW_FRAMES, heading_frame_features, observations, pose_windows
+from adapt_envs.features.heightmap import heightmaps
+from adapt_envs.features.kinematics import LINK_STATE
+from adapt_envs.features.observation_rows import Observations, put_rows, rows_of
+from adapt_envs.model.build import build_character, compile_model
+from adapt_envs.model.ground import Ground, make_ground
+from adapt_envs.model.humanoid import LINKS
+from adapt_envs.model.morphology import MORPHOLOGIES
+from adapt_envs.model.obstacles import OBSTACLES
+from adapt_envs.model.soles import sole_corners
+from adapt_envs.model.terrain import TERRAINS
+from adapt_envs.motion.library import load_clip, reference_motion
+from adapt_envs.simulation.physics import PhysicsBatch
+from adapt_envs.simulation.spawn import moved, standing_lift
+from adapt_envs.suite import TaskSpec, preferred_speeds
+from adapt_envs.tables import entry
+from adapt_envs.tasks.foot_slip import footing_reward
+from adapt_envs.tasks.goal import goal_observation, goal_reward
+from adapt_envs.tasks.goal_state import Goals
+from adapt_envs.tasks.push import Pushes
+from adapt_envs.tasks.termination import LOST_DISTANCE, RUNNING, ends
+
+
+class Worlds:
+    """N worlds of one task.
+
+    Attributes:
+        spec: the task's row, with overrides applied.
+        ground: what all worlds stand on.
+        model: the character on it.
+        reference: the reference motion.
+        physics: the worlds' physics.
+        goals: the worlds' goals.
+        pushes: the worlds' pushes, or None.
+        rng: source of all randomness but the terrain's; replace it to seed.
+        steps: (N,) control steps since the worlds' last reset.
+    """
+
+    def __init__(self, spec: TaskSpec, num_worlds: int, num_threads: int = 0) -> None:
+        """Build the model, load the motion and make `num_worlds` worlds; `reset` comes first."""
+        speeds = preferred_speeds(spec, load_clip(spec.motion))
+        self.spec = replace(spec, speed_range=speeds)
+        self._shape = entry("morphology", MORPHOLOGIES, spec.morphology)
+        self.ground = make_ground(
+            entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed
+        )
+        self.model = self.compiled(self.ground)
+        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked))
+        self.physics = PhysicsBatch(self.model, num_worlds, num_threads)
+        self.goals = Goals(num_worlds, self.ground, speeds, spec.timer_range)
+        self.pushes = None if spec.push is None else Pushes(spec.push, num_worlds)
+        self.rng = np.random.default_rng()
+        self.steps = np.zeros(num_worlds, np.int64)
+        self.history = np.zeros((num_worlds, WINDOW_FRAMES, len(LINKS), LINK_STATE), np.float32)
+        self._all = np.arange(num_worlds)
+        self._features = np.zeros_like(self.history)
+        self._last: Observations | None = None
+
+    def compiled(self, ground: Ground) -> mujoco.MjModel:
+        """The task's character on some ground: on its own for physics, on a piece of it for pictures."""
+        return compile_model(build_character(self._shape, self.spec.locked), self.spec.friction, ground)
+
+    @property
+    def root_xy(self) -> NDArray[np.float32]:
+        """(N, 2) position of the roots on the ground [m], world."""
+        return self.history[:, -1, 0, :2]
+
+    @property
+    def root_heading(self) -> NDArray[np.float32]:
+        """(N,) heading of the roots [rad], world."""
+        return rotations.heading(self.history[:, -1, 0, 3:7])
+
+    @property
+    def windows(self) -> NDArray[np.float32]:
+        """(N, 5, 15, 7) pose windows of the last step's transitions, before any reset."""
+        return pose_windows(self._features)
+
+    @property
+    def footing(self) -> NDArray[np.float64]:
+        """(N,) how little the feet slid in the last step, in (0, 1]; see `footing_reward`."""
+        return footing_reward(self._features[..., :POSE], sole_corners(self.model))
+
+    def reset(self, ids: NDArray[np.integer], start: int | None = None) -> Observations:
+        """Start the worlds `ids` anew from states of the motion with new goals; held goals stay held.
+
+        Args:
+            ids: (n,) worlds; all of them the first time.
+            start: number of the start state, below `reference.num_states`; None draws it.
+
+        Returns:
+            First observations of these n worlds.
+        """
+        count = self.reference.num_states
+        chosen = self.rng.integers(count, size=len(ids)) if start is None else np.full(len(ids), start)
+        qpos, qvel, history = self._placed(*self.reference.states(chosen))
+        self.physics.set_states(ids, qpos, qvel)
+        self.history[ids] = history
+        self.steps[ids] = 0
+        if self.pushes is not None:
+            self.pushes.restart(ids, self.rng)
+        self.goals.draw(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
+        features = heading_frame_features(history, self.ground.floor_at(self.root_xy[ids]))
+        fresh = self._observed(features, ids)
+        if self._last is None:
+            self._features[ids] = features
+        if self._last is None or len(ids) == len(self._all):  # what `step` returned before belongs to the caller
+            self._last = fresh
+        else:
+            put_rows(self._last, ids, fresh)
+        return fresh
+
+    def _placed(
+        self, qpos: NDArray[np.float64], qvel: NDArray[np.float64], history: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
+        """Start states moved to drawn places of bounded ground and lifted to stand there."""
+        if self.ground.plain:
+            return qpos, qvel, history
+        qpos, qvel, history = moved(qpos, qvel, history, *self.ground.spawns(len(qpos), self.rng))
+        lift = standing_lift(self.model, history[:, -1], self.ground)
+        qpos[:, 2] += lift
+        history[..., 2] += lift[:, None, None].astype(np.float32)
+        return qpos, qvel, history
+
+    def step(
+        self, actions: NDArray[np.floating], max_steps: int | None
+    ) -> tuple[Observations, NDArray[np.float64], NDArray[np.int8]]:
+        """Advance all worlds by one control step; worlds that end are not reset.
+
+        Args:
+            actions: (N, nu), clipped to [-1, 1].
+            max_steps: time limit in control steps, or None.
+
+        Returns:
+            Observations of the N worlds, goal rewards (N,) in [0, 1], and why each episode ended (N,), codes into
+            `termination.ENDS`. A world that diverged has its last finite observation and reward 0.
+        """
+        before = self.root_xy.copy()
+        if self.pushes is not None:
+            self.physics.push(self.pushes.step(self.rng))
+        diverged = self.physics.step(np.clip(actions, -1, 1))
+        self._remember_links(diverged)
+        self.steps += 1
+        after = self.root_xy
+        reward = goal_reward(before, after, self.goals.target, self.goals.speed)
+        reward[diverged] = 0
+        left = np.linalg.norm(self.goals.target - after, axis=1)
+        timed_out = self.steps >= max_steps if max_steps is not None else np.zeros(len(left), bool)
+        code = ends(self.physics.fallen(), left > self.goals.distance + LOST_DISTANCE, diverged, timed_out)
+        renewed = np.flatnonzero(self.goals.expire() & (code == RUNNING))
+        self.goals.draw(renewed, after[renewed], self.root_heading[renewed], self.rng)
+        self._features = heading_frame_features(self.history, self.ground.floor_at(after))
+        return self._remembered(self._observed(self._features, self._all), diverged), reward, code
+
+    def _remember_links(self, diverged: NDArray[np.bool_]) -> None:
+        self.history[:, :-1] = self.history[:, 1:]
+        self.physics.read_links(self.history[:, -1])
+        # The state of a world that diverged means nothing: its previous frame stands for it.
+        self.history[diverged, -1] = self.history[diverged, -2]
+
+    def _remembered(self, fresh: Observations, diverged: NDArray[np.bool_]) -> Observations:
+        if self._last is not None and diverged.any():
+            put_rows(fresh, diverged, rows_of(self._last, diverged))
+        self._last = fresh
+        return fresh
+
+    def _observed(self, features: NDArray[np.float32], ids: NDArray[np.integer]) -> Observations:
+        root_xy, heading = self.root_xy[ids], self.root_heading[ids]
+        seen = observations(features, goal_observation(root_xy, heading, self.goals.target[ids], self.goals.speed[ids]))
+        if not self.spec.heightmap:
+            return seen
+        return {"observation": seen, "heightmap": heightmaps(self.ground, root_xy, heading)}
+
+    def hold_goal(self, heading: float | None, speed: float | None, ids: NDArray[np.integer]) -> None:
+        """Keep the target of the worlds `ids` ahead in the world direction `heading` [rad] at `speed` [m/s].
+
+        None for both returns to goals drawn at random; errors as `Goals.hold`.
+        """
+        self.goals.hold(ids, heading, speed)
+        self.goals.draw(ids, self.root_xy[ids], self.root_heading[ids], self.rng)

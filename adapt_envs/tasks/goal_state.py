@@ -1,0 +1,89 @@
+"""The goals of N worlds over time: drawn, held and renewed (paper, app. A)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from adapt_envs.features import rotations
+from adapt_envs.model.ground import Ground
+from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.tasks.goal import draw_targets
+
+
+class Goals:
+    """The goals of N worlds, as arrays.
+
+    Attributes:
+        target: (N, 2) target on the ground [m], world.
+        speed: (N,) preferred speed [m/s].
+        steps_left: (N,) control steps until a new target is drawn.
+        distance: (N,) distance to the target when it was drawn [m].
+        held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are drawn at random.
+        held_speed: (N,) preferred speed [m/s] the goal is held at.
+        spread: share of the circle, centred straight ahead, that drawn headings come from; 1 is the paper's.
+    """
+
+    def __init__(
+        self, num_worlds: int, ground: Ground, speed_range: tuple[float, float], timer_range: tuple[float, float]
+    ) -> None:
+        """Goals before the first draw, on `ground`, with preferred speeds [m/s] and timers [s] from these ranges."""
+        self.ground, self.speed_range, self.timer_range = ground, speed_range, timer_range
+        self.target = np.zeros((num_worlds, 2), np.float32)
+        self.speed = np.ones(num_worlds, np.float32)
+        self.steps_left = np.zeros(num_worlds, np.int64)
+        self.distance = np.zeros(num_worlds, np.float32)
+        self.held_heading = np.full(num_worlds, np.nan)
+        self.held_speed = np.ones(num_worlds)
+        self.spread = 1.0
+
+    def hold(self, ids: NDArray[np.integer], heading: float | None, speed: float | None) -> None:
+        """Hold the goals of the worlds `ids`, from their next draw on; None for both frees them.
+
+        Raises:
+            ValueError: for one without the other, a heading that is not finite, or a speed that is not positive.
+        """
+        if (heading is None) != (speed is None):
+            raise ValueError(f"a goal is held by heading and speed together, not by {heading} and {speed}")
+        if heading is not None and speed is not None and not (np.isfinite(heading) and 0.0 < speed < np.inf):
+            raise ValueError(f"a goal's heading must be finite and its speed positive, not {heading} rad, {speed} m/s")
+        self.held_heading[ids] = np.nan if heading is None else heading
+        self.held_speed[ids] = 1.0 if speed is None else speed
+
+    def expire(self) -> NDArray[np.bool_]:
+        """Count one control step; return (N,) which goals must be drawn anew. Held ones move at every step."""
+        self.steps_left -= 1
+        return (self.steps_left <= 0) | ~np.isnan(self.held_heading)
+
+    def draw(
+        self,
+        ids: NDArray[np.integer],
+        root_xy: NDArray[np.floating],
+        root_heading: NDArray[np.floating],
+        rng: np.random.Generator,
+    ) -> None:
+        """Draw new goals (paper, app. A): direction uniform, speed and timer from their ranges; or held ones.
+
+        On bounded ground targets keep 3 m inside their patch and out of obstacles.
+
+        Args:
+            ids: (n,) worlds.
+            root_xy: (n, 2) positions of their roots [m], world.
+            root_heading: (n,) their headings [rad], world.
+            rng: source of randomness.
+        """
+        if not len(ids):
+            return
+        held = ~np.isnan(self.held_heading[ids])
+        speed = np.where(held, self.held_speed[ids], rng.uniform(*self.speed_range, len(ids)))
+        heading = rng.uniform(0, 2 * np.pi, len(ids))
+        if self.spread < 1:
+            heading = root_heading + self.spread * rotations.wrapped(heading - root_heading)
+        heading = np.where(held, self.held_heading[ids], heading)
+        # A held goal keeps the longest distance a drawn one can have: far enough never to be reached.
+        seconds = np.where(held, self.timer_range[1], rng.uniform(*self.timer_range, len(ids)))
+        target, distance = draw_targets(root_xy, heading, speed, seconds), speed * seconds
+        if not self.ground.plain:
+            target[held] = self.ground.inside_square(target[held])
+            target[~held] = self.ground.kept_targets(target[~held], root_xy[~held], rng)
+            distance = np.hypot(*(target - root_xy).T)
+        self.target[ids], self.speed[ids], self.distance[ids] = target, speed, distance
+        self.steps_left[ids] = np.round(seconds / CONTROL_DT).astype(np.int64)

@@ -1,0 +1,101 @@
+"""``adaptnet adapt``: a motion of one's own to a style controller."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from adapt_envs.commands.output import check_output
+from adapt_envs.motion.clip import MotionClip
+from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
+from adapt_envs.motion.library import load_clip
+from sb3_adaptnet.commands.export import export
+from sb3_adaptnet.commands.policy_options import Bar
+from sb3_adaptnet.commands.train import INTERRUPTED, positive
+from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.runs.run_folder import MOTION, RUNS, RunFolder, RunSettings
+from sb3_adaptnet.runs.training import resume, start
+from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
+
+STYLE_ENV = "AdaptNet/Humanoid-Style-v0"
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the subcommand ``adapt``."""
+    parser: argparse.ArgumentParser = subparsers.add_parser(
+        "adapt", help="adapt a base to a motion of your own: a BVH, JSON or clip file, or a shipped motion's name"
+    )
+    parser.add_argument("--motion", metavar="FILE", help="the motion; of a BVH or JSON file one gait cycle is cut out")
+    parser.add_argument("--map", metavar="MAP.YML", help="which joint is which, for a BVH skeleton that is not known")
+    parser.add_argument("--base", default="walk", metavar="NAME_OR_FILE", help="base to adapt (default walk)")
+    parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's, 2e6")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="weight file to write")
+    parser.add_argument("--seed", type=int, default=0, help="default 0")
+    parser.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run; default runs/adapt-OUT")
+    parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder")
+    parser.add_argument("--n-envs", type=positive, help="worlds; default: the entry's")
+    parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
+    parser.add_argument("--device", default="cpu", help="cpu (default) or cuda")
+    parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
+    parser.add_argument("--quiet", action="store_true", help="show no progress")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Adapt, or go on adapting, then write the weight file and say what to do with it."""
+    check_output(options.output)
+    shown = {"minutes": options.minutes, "quiet": options.quiet}
+    if options.resume is not None:
+        folder = resume(options.resume, options.samples, **shown)
+    else:
+        folder = start(*prepare(options), **shown)
+    return report(folder, options.output)
+
+
+def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
+    """Settings and folder of a new run, whose clip is in the folder already.
+
+    Raises:
+        ValueError: if no motion is given, it cannot be used, or the folder holds a run.
+    """
+    if options.motion is None:
+        raise ValueError("name a motion with --motion, or a run with --resume")
+    experiment(STYLE_ENV, options.base)
+    clip = opened(options.motion, options.map, options.quiet)
+    path = options.run_dir or RUNS / f"adapt-{options.output.name.removesuffix(WEIGHT_SUFFIX)}"
+    if (path / "run.json").exists():
+        raise ValueError(f"{path} holds a run already; continue it with --resume {path}, or choose --run-dir")
+    path.mkdir(parents=True, exist_ok=True)
+    clip.save(path / MOTION)
+    settings = RunSettings(
+        env_id=STYLE_ENV,
+        samples=options.samples or experiment(STYLE_ENV, options.base).samples,
+        seed=options.seed,
+        base=options.base,
+        motion=str(path / MOTION),
+        n_envs=options.n_envs,
+        device=options.device,
+        threads=options.threads,
+    )
+    return settings, path
+
+
+def opened(motion: str, joint_map: str | None = None, quiet: bool = False) -> MotionClip:
+    """A shipped motion, a clip file, or one gait cycle of a BVH or JSON file fitted to the character."""
+    if Path(motion).suffix.lower() not in SUFFIXES:
+        if joint_map is not None:
+            raise ValueError(f"{joint_map}: a map is for BVH files; {motion} needs none")
+        return load_clip(motion)
+    return import_motion(motion, joint_map, style=True, progress=iter if quiet else Bar("fitting"))
+
+
+def report(folder: RunFolder, output: Path) -> int:
+    """Write the weight file of a finished run, or say how to go on with an interrupted one."""
+    done, asked = folder.load()["samples"], folder.settings.samples
+    if done < asked:
+        print(f"stopped at {done:,} of {asked:,}; go on with: adaptnet adapt --resume {folder.path} -o {output}")
+        return INTERRUPTED
+    file = export(folder.path, output)
+    print(f"wrote {file} after {done:,} samples (run: {folder.path})")
+    base = "" if folder.settings.base == "walk" else f" --base {folder.settings.base}"
+    print(f"look at it:  adaptnet play {file}{base}\nmeasure it:  adaptnet eval {file}{base}")
+    return 0

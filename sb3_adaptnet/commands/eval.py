@@ -1,0 +1,107 @@
+"""``adaptnet eval``: measure a policy's mean action, and draw it."""
+
+import argparse
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from adapt_envs.commands.output import check_output
+from adapt_envs.drawing.motion_sheet import video_frames, write_sheet
+from sb3_adaptnet.commands.policy_options import Actor, Bar, add_options, open_actor
+from sb3_adaptnet.evaluation.alpha import alpha_clips
+from sb3_adaptnet.evaluation.before_after import write_before_after
+from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
+from sb3_adaptnet.evaluation.pictures import write_frames, write_strip
+from sb3_adaptnet.evaluation.report import text_table
+from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
+
+VIDEO_SECONDS = 12.0
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the subcommand ``eval``."""
+    parser: argparse.ArgumentParser = subparsers.add_parser(
+        "eval", help="measure a policy: goal reward, falls, imitation error, sliding, jerk"
+    )
+    add_options(parser)
+    parser.add_argument("--seconds", type=seconds_of, default=DEFAULT_SECONDS, help="simulated seconds (default 1200)")
+    parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
+    parser.add_argument("--push-scale", type=float, metavar="S", help="pushes at S times their force (default 1)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a contact sheet of it going straight on")
+    parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="film it going to targets")
+    parser.add_argument("--strip", type=Path, metavar="FILE.png", help="draw an adaptation at alpha 0, 0.25, ..., 1")
+    parser.add_argument(
+        "--before-after", type=Path, metavar="FILE.png", help="draw an adaptation and its base in the same world"
+    )
+    parser.set_defaults(run=run)
+
+
+def seconds_of(text: str) -> float:
+    """Parse a positive number of seconds."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not (value > 0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
+    return value
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, draw."""
+    check_outputs(options)
+    actor = open_actor(options)
+    for option, path in (("--strip", options.strip), ("--before-after", options.before_after)):
+        if path is not None and not isinstance(actor.policy, AdaptNetPolicy):
+            raise ValueError(f"{option} needs an adaptation; {actor.name!r} is none")
+    if options.push_scale is not None:
+        actor.env.push_scale = options.push_scale
+    found = evaluate(actor.policy, actor.env, options.seconds, options.seed, Bar("walking"))
+    if options.json:
+        print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
+    else:
+        print(text_table({actor.title: found.figures}))
+    drawn = draw(actor, found, options.sheet, options.video)
+    drawn += draw_alphas(actor, options.strip, options.before_after, options.seed)
+    for path in () if options.json else drawn:
+        print(f"wrote {path}")
+    return 0
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Refuse pictures that cannot be written, before the measuring.
+
+    Raises:
+        ValueError: for an extension that is no picture's or video's, or a folder that does not exist.
+    """
+    pictures, films = (options.sheet, options.strip, options.before_after), (options.video,)
+    for path, suffixes in [(path, (".png",)) for path in pictures] + [(path, (".mp4", ".gif")) for path in films]:
+        if path is not None:
+            check_output(path, *suffixes)
+
+
+def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None) -> list[Path]:
+    """Draw the contact sheet and the video that were asked for; return them.
+
+    The video shows the longest stretch without a fall, up to 12 s.
+    """
+    reference, name = actor.env.worlds.reference.clips[0], actor.title
+    if sheet is not None:
+        write_sheet(typical_clip(found.straight, reference, name), sheet)
+    if video is not None:
+        clip = clip_of(found.free, longest(found.free, VIDEO_SECONDS), reference.joint_names, name)
+        write_frames(video_frames(clip), video)
+    return [path for path in (sheet, video) if path is not None]
+
+
+def draw_alphas(actor: Actor, strip: Path | None, before_after: Path | None, seed: int) -> list[Path]:
+    """Draw an adaptation at five alphas, or with its base in the same world, where asked for; return the pictures."""
+    if isinstance(actor.policy, AdaptNetPolicy):
+        if strip is not None:
+            write_strip(alpha_clips(actor.policy, actor.env, seed=seed), strip)
+        if before_after is not None:
+            write_before_after(actor.policy, actor.env, before_after, seed)
+    return [path for path in (strip, before_after) if path is not None]

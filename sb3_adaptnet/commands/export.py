@@ -1,0 +1,108 @@
+"""``adaptnet export``: a run's checkpoint to a weight file with a card."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from stable_baselines3.common.utils import ConstantSchedule
+
+from adapt_envs import AdaptVectorEnv
+from adapt_envs.commands.output import check_output
+from adapt_envs.motion.library import load_clip, ships
+from sb3_adaptnet.runs.curve import panels
+from sb3_adaptnet.runs.experiment import Experiment
+from sb3_adaptnet.runs.history import read_rows
+from sb3_adaptnet.runs.run_folder import RunFolder
+from sb3_adaptnet.runs.training import make_worlds
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.weights.checkpoint import BASE, save_adaptation, save_base
+from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
+
+CLIP_SUFFIX = ".motion.npz"  # after the weights' name: their reference clip, if it is none of those that ship
+METRIC_ROWS = 10  # last rollouts that the card's metrics are the means of
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the subcommand ``export``."""
+    parser: argparse.ArgumentParser = subparsers.add_parser(
+        "export", help="write a run's policy as a base or an adaptation (safetensors and a JSON card)"
+    )
+    parser.add_argument("run_dir", metavar="RUN", help="folder of the run")
+    parser.add_argument("-o", "--output", metavar="FILE", required=True, help="where to, as in mine.safetensors")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Export and say where the file is."""
+    print(export(options.run_dir, options.output))
+    return 0
+
+
+def export(run_dir: str | Path, output: str | Path) -> Path:
+    """Write the policy of a run's checkpoint: a base if it was trained whole, else an adaptation.
+
+    Args:
+        run_dir: The run's folder.
+        output: Where to.
+
+    Returns:
+        The file; its card lies beside it, and a copy of the clip if that is none of those that ship.
+
+    Raises:
+        ValueError: If there is no run, no checkpoint, or the output's folder does not exist.
+    """
+    check_output(output)
+    folder = RunFolder.open(run_dir)
+    state = folder.load()
+    entry = folder.experiment
+    worlds = make_worlds(replace(folder.settings, n_envs=1), entry)
+    policy: Any = entry.policy(
+        worlds.observation_space, worlds.action_space, ConstantSchedule(0.0), **entry.ppo["policy_kwargs"]
+    )
+    policy.load_state_dict(state["policy"])
+    motion = motion_of(worlds)
+    card = card_of(folder, entry, int(state["samples"])) | clip_of(motion, Path(output))
+    worlds.close()
+    save = save_base if policy.export()[0] == BASE else save_adaptation
+    file = save(policy, output, **card)
+    if motion is not None and not ships(motion):
+        load_clip(motion).save(file.with_name(card["motion"]))
+    return file
+
+
+def motion_of(worlds: AdaptVecEnv) -> str | None:
+    """Name or file of the reference clip, where the worlds are this project's."""
+    vector = worlds.worlds.unwrapped
+    return vector.worlds.spec.motion if isinstance(vector, AdaptVectorEnv) else None
+
+
+def clip_of(motion: str | None, output: Path) -> dict[str, Any]:
+    """Name and hash of the reference clip; one that does not ship is named by its copy beside the weights."""
+    if motion is None:
+        return {}
+    beside = f"{output.name.removesuffix(WEIGHT_SUFFIX)}{CLIP_SUFFIX}"
+    return {"motion": motion if ships(motion) else beside, "clip_hash": load_clip(motion).digest}
+
+
+def card_of(folder: RunFolder, entry: Experiment, samples: int) -> dict[str, Any]:
+    """Entries of the card: where the weights come from and how well they did while training."""
+    settings = folder.settings
+    rows = read_rows(folder.progress, samples)[-METRIC_ROWS:]
+    metrics = {
+        name: round(sum(row[name] for row in rows) / len(rows), 4)
+        for name in panels({"": rows})
+        if rows and all(name in row for row in rows)
+    }
+    policy_kwargs = dict(entry.ppo["policy_kwargs"])
+    if policy_kwargs.get("base") is not None:  # its name: where the file lay means nothing elsewhere
+        policy_kwargs["base"] = Path(policy_kwargs["base"]).name.removesuffix(WEIGHT_SUFFIX)
+    training = {
+        "samples": samples,
+        "seed": settings.seed,
+        "worlds": settings.n_envs or entry.n_envs,
+        "policy": f"{entry.policy.__module__}.{entry.policy.__qualname__}",
+        "ppo": {**entry.ppo, "policy_kwargs": policy_kwargs},
+        "callbacks": [{cls.__name__: kwargs} for cls, kwargs in entry.callbacks],
+    }
+    return {"environment": settings.env_id, "training": training, "metrics": metrics}

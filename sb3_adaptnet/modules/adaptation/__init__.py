@@ -1,0 +1,1 @@
+"""Actors made from a frozen or copied base: AdaptNet and the paper's alternatives."""

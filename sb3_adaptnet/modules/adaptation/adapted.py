@@ -1,0 +1,166 @@
+"""AdaptNet: a frozen base, one or more adaptations of it, and how much of each acts (paper, secs. 4, 5 and 8.1)."""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import islice
+from typing import NamedTuple, cast
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from sb3_adaptnet.modules.actor import Actor
+from sb3_adaptnet.modules.adaptation.adaptors import FullAdaptor, make_adaptors
+from sb3_adaptnet.modules.adaptation.injector import Injector
+from sb3_adaptnet.modules.adaptation.lora import LowRankAdaptor
+from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
+from sb3_adaptnet.modules.backbone import Backbone
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
+from sb3_adaptnet.modules.layers.regularizers import penalise_injections, penalise_parameters
+from sb3_adaptnet.modules.observation import Observation
+
+
+class Penalties(NamedTuple):
+    """Coefficients of eq. 12: `beta` on the injection's norm, `kappa` on the adaptors' norm."""
+
+    beta: float = 0.01
+    kappa: float = 0.01
+
+
+class Adaptation(nn.Module):
+    """What one adaptation adds to its base: an injector and adaptors, each optional.
+
+    Attributes:
+        shape: which parts it has.
+        injector: edits the latents, or None.
+        adaptors: one per hidden layer, or None.
+    """
+
+    def __init__(self, architecture: Architecture, shape: AdaptationShape) -> None:
+        super().__init__()
+        self.shape = shape
+        self.injector = Injector(architecture, shape) if shape.injector else None
+        self.adaptors = make_adaptors(shape, architecture.latent_sizes)
+
+    @property
+    def trained(self) -> bool:
+        """Whether its weights learn; further adaptations in a blend do not."""
+        return any(p.requires_grad for p in self.parameters())
+
+    def start_from(self, base: Backbone) -> None:
+        """Copy the base's encoder into the injector; everything else is zero and stays so."""
+        if self.injector is not None:
+            self.injector.start_from(base)
+
+    def injections(self, observation: Observation, base_latent: torch.Tensor, beta: float) -> dict[int, torch.Tensor]:
+        """Latent space index -> offset (B, width), with the gradient of its penalty attached."""
+        if self.injector is None:
+            return {}
+        return penalise_injections(self.injector(observation, base_latent), beta)
+
+    def increments(self, kappa: float) -> list[tuple[torch.Tensor, torch.Tensor]]:
+        """(Delta W, Delta b) of every hidden layer (eq. 8), with the gradient of their penalty attached."""
+        if self.adaptors is None:
+            return []
+        counts = [len(list(adaptor.parameters())) for adaptor in self.adaptors]
+        values = iter(penalise_parameters(list(self.adaptors.parameters()), kappa))
+        adaptors = cast(list[FullAdaptor | LowRankAdaptor], self.adaptors)
+        return [adaptor.delta(*islice(values, n)) for adaptor, n in zip(adaptors, counts, strict=True)]
+
+
+class AdaptedActor(Actor):
+    """A frozen base with adaptations, each scaled by alpha times its weight (the interpolation equations of sec. 8.1).
+
+    With one adaptation of weight 1, alpha = 0 is the base and alpha = 1 the adapted policy.
+
+    Attributes:
+        base: the frozen network.
+        adaptations: name -> adaptation.
+        weights: name -> weight in the blend.
+        alpha: overall scale.
+        penalties: coefficients of eq. 12, used while gradients are computed.
+    """
+
+    def __init__(
+        self, base: Backbone, adaptations: Mapping[str, Adaptation], penalties: Penalties | None = None
+    ) -> None:
+        super().__init__()
+        self.architecture = base.architecture
+        self.base = base.requires_grad_(False)
+        self.adaptations = nn.ModuleDict(adaptations)
+        self.weights = dict.fromkeys(adaptations, 1.0)
+        self.alpha = 1.0
+        self.penalties = penalties or Penalties()
+
+    def parts(self) -> dict[str, Adaptation]:
+        """The adaptations by name."""
+        return {name: cast(Adaptation, module) for name, module in self.adaptations.items()}
+
+    def blend(self, weights: Mapping[str, float]) -> None:
+        """Set the weights of the adaptations; those not named get 0.
+
+        Raises:
+            ValueError: for an unknown name, or a weight that is not finite.
+        """
+        unknown = [name for name in weights if name not in self.adaptations]
+        if unknown:
+            raise ValueError(f"unknown adaptations {unknown}; this policy has {list(self.adaptations)}")
+        bad = {name: weight for name, weight in weights.items() if not math.isfinite(weight)}
+        if bad:
+            raise ValueError(f"weights must be finite numbers, not {bad}")
+        self.weights = {name: float(weights.get(name, 0.0)) for name in self.adaptations}
+
+    def active(self) -> list[tuple[float, Adaptation]]:
+        """(alpha * weight, adaptation) of every adaptation that acts."""
+        scaled = [(self.alpha * self.weights[name], adaptation) for name, adaptation in self.parts().items()]
+        return [(scale, adaptation) for scale, adaptation in scaled if scale != 0.0]
+
+    def hidden_layers(self) -> list[tuple[torch.Tensor, torch.Tensor]]:
+        """(W + sum of scaled Delta W, b + sum of scaled Delta b) of every hidden layer.
+
+        One product with the summed weights equals the base's plus the adaptors' outputs (eq. 8) and is cheaper.
+        """
+        base_layers = cast(list[nn.Linear], self.base.layers)
+        layers: list[tuple[torch.Tensor, torch.Tensor]] = [(layer.weight, layer.bias) for layer in base_layers]
+        for scale, adaptation in self.active():
+            for index, (weight, bias) in enumerate(adaptation.increments(self.penalties.kappa)):
+                old_weight, old_bias = layers[index]
+                layers[index] = (old_weight.add(weight, alpha=scale), old_bias.add(bias, alpha=scale))
+        return layers
+
+    def injections(self, observation: Observation, base_latent: torch.Tensor) -> dict[int, torch.Tensor]:
+        """Latent space index -> sum of the scaled offsets of all active adaptations (eq. 4)."""
+        total: dict[int, torch.Tensor] = {}
+        for scale, adaptation in self.active():
+            for space, offset in adaptation.injections(observation, base_latent, self.penalties.beta).items():
+                total[space] = offset * scale if space not in total else total[space].add(offset, alpha=scale)
+        return total
+
+    def base_latent(self, observation: Observation) -> torch.Tensor:
+        """The base's z0 = [E(o), g], from the code in the observation if it is there: the base never changes."""
+        if observation.base_code is None:
+            return self.base.encode(observation)
+        return torch.cat((observation.base_code, observation.goal), dim=1)
+
+    def forward(self, observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
+        """Mean and log standard deviation (B, action_size) of the Gaussian over actions.
+
+        An injection into Z1, Z2, ... is added where the adaptors' increment is: before the activation.
+        """
+        latent = self.base_latent(observation)
+        offsets = self.injections(observation, latent)
+        if 0 in offsets:
+            latent = latent + offsets[0]
+        extra = self.base.first_bias(observation)
+        for space, (weight, bias) in enumerate(self.hidden_layers(), start=1):
+            output = functional.linear(latent, weight, bias)
+            for term in (extra, offsets.get(space)):
+                output = output if term is None else output + term
+            latent = functional.relu6(output)
+            extra = None
+        return self.base.heads(latent)
+
+    def normalizers(self) -> Sequence[RunningNormalizer]:
+        """The normaliser of the injector that learns; the base's and those of other adaptations stay."""
+        injectors = [adaptation.injector for adaptation in self.parts().values() if adaptation.trained]
+        return [n for injector in injectors if injector is not None for n in injector.normalizers()]

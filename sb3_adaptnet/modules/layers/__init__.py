@@ -1,0 +1,1 @@
+"""Building blocks of the networks: recurrence, convolution, normalisation, precision, penalties."""

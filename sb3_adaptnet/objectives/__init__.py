@@ -1,0 +1,1 @@
+"""What training maximises: imitation, goal and further rewards, their advantages and step sizes."""

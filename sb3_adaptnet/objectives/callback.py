@@ -1,0 +1,247 @@
+"""Turns stock PPO into the paper's multi-objective imitation learner (sec. 6, eqs. 9-12)."""
+
+import weakref
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.utils import obs_as_tensor
+
+from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
+from sb3_adaptnet.objectives.imitation import ImitationObjective
+from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, steer
+from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
+from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
+from sb3_adaptnet.objectives.rollout_log import Rollout
+from sb3_adaptnet.objectives.schedule import Points, check_points, value_at
+
+IMITATION, GOAL = "imitation", "goal"
+DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}  # the paper, app. B; motion styles take 0.35 and 0.65
+
+
+class DiscriminatorRewardCallback(BaseCallback):
+    """Adds discriminators, K rewards and values, and a KL-steered actor to ``PPO.learn``.
+
+    While PPO collects, the callback copies goal rewards and pose windows. At a rollout's end it trains the
+    discriminators for one pass, scores the windows (eq. 11), sets every objective's reward to ``terminal_reward``
+    where an episode ended by a fall, lost or diverged, adds the bootstrap of time limits per objective, and fills the
+    buffer's advantages (eq. 9). It needs a policy of this package and an environment with ``pose_windows`` and
+    ``sample_reference_windows``, without ``VecNormalize``. With another model it begins with fresh discriminators.
+
+    Attributes:
+        objectives: Names in the order of the critic's columns.
+        imitation: The discriminators; None before training starts and without the objective "imitation".
+        metrics: Means of the last rollout: goal_reward, imitation_reward, falls_per_minute, episode_length, ...
+    """
+
+    def __init__(
+        self,
+        objective_weights: Mapping[str, Points] | None = None,
+        terminal_reward: float = -10.0,
+        kl_range: tuple[float, float] | None = KL_RANGE,
+        actor_lr_range: tuple[float, float] = (1e-6, 1e-3),
+        discriminator: Mapping[str, Any] | None = None,
+        reward_terms: Mapping[str, RewardTerm] | None = None,
+        verbose: int = 0,
+    ) -> None:
+        """Choose objectives and their weights.
+
+        Args:
+            objective_weights: Name to weight (w_k of eq. 9). "imitation" is the discriminators' reward, "goal" the
+                environment's; every other name stands in ``reward_terms`` or in ``TERMS`` of `reward_terms.py`, as
+                "footing" does. Default: 0.5 and 0.5. A weight is a number,
+                or samples -> number, joined by straight lines: ``{0: 0.5, 1_000_000: 0.2}``.
+            terminal_reward: Reward of every objective where an episode ended by a fall, lost or diverged.
+            kl_range: Range of the KL divergence to steer the actor's step size to; None keeps it fixed.
+            actor_lr_range: Smallest and largest effective learning rate of the actor.
+            discriminator: Arguments of ``ImitationObjective`` (learning_rate, batch_size, gradient_penalty, ...).
+            reward_terms: Name to a function of PPO's local variables at a step (``new_obs``, ``actions``,
+                ``infos``, ``env``, ...) that returns rewards (N,).
+            verbose: As in Stable-Baselines3.
+
+        Raises:
+            ValueError: If an objective has no reward, a weight is negative, or a range is the wrong way round.
+        """
+        super().__init__(verbose)
+        self.weights: dict[str, Points] = dict(objective_weights or DEFAULT_WEIGHTS)
+        self.reward_terms = {**TERMS, **(reward_terms or {})}
+        self.terminal_reward = float(terminal_reward)
+        self.kl_range = (float(kl_range[0]), float(kl_range[1])) if kl_range is not None else None
+        self.actor_lr_range = (float(actor_lr_range[0]), float(actor_lr_range[1]))
+        self.discriminator_kwargs = dict(discriminator or {})
+        _check(self.weights, self.reward_terms, self.kl_range, self.actor_lr_range)
+        self.objectives = tuple(self.weights)
+        self.imitation: ImitationObjective | None = None
+        self.metrics: dict[str, float] = {}
+        self.kl: float | None = None
+        self.rng = np.random.default_rng()
+        self._learner: Callable[[], BaseAlgorithm | None] = lambda: None  # whose discriminators these are
+        self._in_training = False
+
+    def _init_callback(self) -> None:
+        model: Any = self.model
+        if not hasattr(model.policy, "set_objectives"):
+            raise ValueError(
+                f"DiscriminatorRewardCallback needs one of this package's policies (AdaptNetPolicy, PretrainPolicy), "
+                f"not {type(model.policy).__name__}"
+            )
+        normalizing = model.get_vec_normalize_env()
+        if normalizing is not None and (normalizing.norm_obs or normalizing.norm_reward):
+            raise ValueError(
+                "leave VecNormalize out: the policies normalise by themselves, and a base must see what it knows"
+            )
+        model.policy.set_objectives(self._weights_now())
+        if not self._in_training:
+            self._stock_normalize_advantage, self._in_training = model.normalize_advantage, True
+        model.normalize_advantage = False  # advantages are standardised per objective already
+        self._install_buffer()
+        self.rollout = Rollout(model.n_steps, model.n_envs)
+        if self.imitation is None or self._learner() is not model:
+            self.rng = np.random.default_rng(model.seed)
+            self._build_discriminators()
+        self._learner = weakref.ref(model)
+
+    def _weights_now(self) -> list[float]:
+        return [value_at(weight, self.model.num_timesteps) for weight in self.weights.values()]
+
+    def _install_buffer(self) -> None:
+        model: Any = self.model
+        model.rollout_buffer = ObjectiveRolloutBuffer(
+            model.n_steps,
+            model.observation_space,
+            model.action_space,
+            device=model.device,
+            gamma=model.gamma,
+            gae_lambda=model.gae_lambda,
+            n_envs=model.n_envs,
+            num_objectives=len(self.objectives),
+            base_code=lambda: model.policy.base_code,
+        )
+
+    def _build_discriminators(self) -> None:
+        if IMITATION not in self.weights:
+            return
+        model: Any = self.model
+        _, _, links, numbers = reference_windows(self.training_env, 1, np.random.default_rng(0)).shape
+        settings = {"precision": getattr(model.policy, "precision", "fp32"), **self.discriminator_kwargs}
+        settings["network"] = {"links": links, "numbers": numbers, **settings.get("network", {})}
+        self.imitation = ImitationObjective(device=model.device, **settings)
+
+    def _on_training_end(self) -> None:
+        self.model.normalize_advantage = self._stock_normalize_advantage  # type: ignore[attr-defined]
+        self._in_training = False
+
+    def _on_rollout_start(self) -> None:
+        self.rollout.clear()
+        model: Any = self.model
+        model.policy.set_objectives(self._weights_now())
+        kl = self.logger.name_to_value.get("train/approx_kl")  # of the update between the two rollouts
+        self.kl = float(kl) if kl is not None else None
+        if self.kl_range is not None and self.kl is not None:
+            self._steer(self.kl)
+
+    def _steer(self, kl: float) -> None:
+        group = self.model.policy.optimizer.group("actor")  # type: ignore[attr-defined]
+        rate = steer(group["lr"] * group["lr_scale"], kl, self.kl_range or KL_RANGE, self.actor_lr_range)
+        group["lr_scale"] = rate / group["lr"]
+
+    def _on_step(self) -> bool:
+        step = self.locals
+        rewards = {GOAL: step["rewards"]}
+        rewards.update({name: term(step) for name, term in self.reward_terms.items() if name in self.weights})
+        windows = pose_windows(self.training_env) if self.imitation is not None else None
+        self.rollout.add(rewards, step["dones"], step["infos"], windows)
+        return True
+
+    def _on_rollout_end(self) -> None:
+        statistics = self._imitate()
+        rewards = self.rollout.rewards
+        columns = np.stack([rewards[name] for name in self.objectives], axis=-1)
+        columns[self.rollout.terminated] = self.terminal_reward
+        last_values = self._bootstrap(columns)
+        model: Any = self.model
+        model.rollout_buffer.finish(columns, last_values, model.policy.objective_weights, model.policy.value_norm)
+        self._record(statistics)
+
+    def _imitate(self) -> dict[str, float]:
+        """Train the discriminators on the rollout, then fill in the imitation reward."""
+        if self.imitation is None or self.rollout.windows is None:
+            return {}
+        steps, worlds = self.rollout.shape
+        windows = self.rollout.windows.reshape(steps * worlds, *self.rollout.windows.shape[2:])
+        reference = reference_windows(self.training_env, len(windows), self.rng)
+        statistics = self.imitation.update(windows, reference, self.rng)
+        self.rollout.rewards[IMITATION] = self.imitation.rewards(windows).reshape(steps, worlds)
+        return statistics
+
+    def _bootstrap(self, columns: np.ndarray) -> np.ndarray:
+        """Add gamma V(terminal observation) where a time limit ended an episode; return the last values (N, K)."""
+        limits = self.rollout.time_limits
+        observations = stack_observations([limit[2] for limit in limits], self.locals["new_obs"])
+        model: Any = self.model
+        with torch.no_grad():
+            values = model.policy.predict_objective_values(obs_as_tensor(observations, model.device)).cpu().numpy()
+        for (step, world, _), value in zip(limits, values[: len(limits)], strict=True):
+            columns[step, world] += model.gamma * value
+        return values[len(limits) :]
+
+    def _record(self, statistics: dict[str, float]) -> None:
+        self.metrics = {f"{name}_reward": float(self.rollout.rewards[name].mean()) for name in self.objectives}
+        self.metrics["falls_per_minute"] = self.rollout.falls_per_minute()
+        if self.rollout.lengths:
+            self.metrics["episode_length"] = float(np.mean(self.rollout.lengths))
+        group = self.model.policy.optimizer.group("actor")  # type: ignore[attr-defined]
+        self.metrics["actor_lr"] = group["lr"] * group["lr_scale"]
+        if self.kl is not None:
+            self.metrics["kl"] = self.kl
+        for name, value in self.metrics.items():
+            self.logger.record(f"objectives/{name}", value)
+        for name, value in statistics.items():
+            self.metrics[f"discriminator_{name}"] = value
+            self.logger.record(f"discriminator/{name}", value)
+        self._record_explained_variance()
+
+    def _record_explained_variance(self) -> None:
+        buffer: Any = self.model.rollout_buffer  # type: ignore[attr-defined]
+        residual = (buffer.returns - buffer.values).var(axis=(0, 1)) / (buffer.returns.var(axis=(0, 1)) + 1e-8)
+        for name, share in zip(self.objectives, residual, strict=True):
+            self.logger.record(f"objectives/{name}_explained_variance", 1.0 - float(share))
+
+    def state_dict(self) -> dict[str, Any]:
+        """Discriminators and random state, for resuming a run (torch.save, weights_only)."""
+        imitation = self.imitation.state_dict() if self.imitation is not None else None
+        return {"imitation": imitation, "rng": self.rng.bit_generator.state}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Restore what ``state_dict`` gave; call it after ``init_callback``."""
+        self.rng.bit_generator.state = state["rng"]
+        if self.imitation is not None:
+            self.imitation.load_state_dict(state["imitation"])
+
+
+def stack_observations(terminal: list[Any], last: Any) -> Any:
+    """Append the last observations (N, ...) to a list of single ones, for Box arrays and dicts of arrays."""
+    if not terminal:
+        return last
+    if isinstance(last, dict):
+        return {key: np.concatenate([np.stack([o[key] for o in terminal]), last[key]]) for key in last}
+    return np.concatenate([np.stack(terminal), last])
+
+
+def _check(
+    weights: Mapping[str, Points],
+    terms: Mapping[str, RewardTerm],
+    kl_range: tuple[float, float] | None,
+    lr_range: tuple[float, float],
+) -> None:
+    known = (IMITATION, GOAL, *terms)
+    for name, weight in weights.items():
+        if name not in known:
+            raise ValueError(f"objective {name!r} has no reward; known are: {', '.join(known)} (see reward_terms)")
+        check_points(f"the weight of objective {name!r}", weight)
+    for label, bounds in (("kl_range", kl_range), ("actor_lr_range", lr_range)):
+        if bounds is not None and not 0.0 < bounds[0] <= bounds[1]:
+            raise ValueError(f"{label} must be two ascending positive numbers, not {bounds}")

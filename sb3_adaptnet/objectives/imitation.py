@@ -1,0 +1,141 @@
+"""The imitation objective: discriminators, their optimiser, one pass of training per rollout."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import torch
+
+from sb3_adaptnet.modules.discriminator import Discriminator, hinge_loss, imitation_reward
+from sb3_adaptnet.modules.layers.precision import autocast
+
+GRADIENT_PENALTY = 10.0  # the paper's Table 4
+BATCH_SIZE = 512  # the paper's Table 4; half simulated, half reference
+SCORE_CHUNK = 4096  # windows scored at once, to bound memory
+
+
+class ImitationObjective:
+    """Discriminators, fresh for every adaptation, with the optimiser that trains them.
+
+    Attributes:
+        discriminator: The network.
+        optimizer: Adam over its weights.
+    """
+
+    def __init__(
+        self,
+        learning_rate: float = 5e-5,
+        batch_size: int = BATCH_SIZE,
+        gradient_penalty: float = GRADIENT_PENALTY,
+        max_grad_norm: float = 1.0,
+        share: float = 1.0,
+        precision: str = "fp32",
+        device: torch.device | str = "cpu",
+        network: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Build fresh discriminators.
+
+        Args:
+            learning_rate: Adam's step size.
+            batch_size: Windows in one update, half simulated, half reference.
+            gradient_penalty: Coefficient of eq. 10's last term.
+            max_grad_norm: Gradients are clipped to this norm.
+            share: Share of the rollout's windows that the one pass sees, drawn at random, in (0, 1].
+            precision: "fp32", "medium" or "bf16".
+            device: Where the network lives.
+            network: Arguments of ``Discriminator`` (heads, gru, hidden).
+
+        Raises:
+            ValueError: If ``batch_size`` or ``share`` is out of range.
+        """
+        if batch_size < 2 or batch_size % 2:
+            raise ValueError(f"the discriminators' batch_size must be even and at least 2, not {batch_size}")
+        if not 0.0 < share <= 1.0:
+            raise ValueError(f"share must lie in (0, 1], not {share}")
+        self.half = batch_size // 2
+        self.gradient_penalty = gradient_penalty
+        self.max_grad_norm = max_grad_norm
+        self.share = share
+        self.precision = precision
+        self.device = torch.device(device)
+        self.discriminator = Discriminator(**(network or {})).to(self.device)
+        self.optimizer = torch.optim.Adam(self.discriminator.parameters(), lr=learning_rate, fused=True)
+
+    def update(self, simulated: np.ndarray, reference: np.ndarray, rng: np.random.Generator) -> dict[str, float]:
+        """Train for one pass over a rollout.
+
+        Args:
+            simulated: Pose windows (M, frames, links, 7) of the rollout; rows that are not finite are left out.
+            reference: As many of the clips'.
+            rng: Orders and pairs the rows.
+
+        Returns:
+            Means over the pass: loss, gradient norm, scores and accuracy of each kind.
+        """
+        simulated, reference = simulated[finite_rows(simulated)], reference[finite_rows(reference)]
+        pairs = int(min(len(simulated), len(reference)) * self.share)
+        if pairs == 0:
+            return {}
+        rows_s, rows_r = rng.permutation(len(simulated))[:pairs], rng.permutation(len(reference))[:pairs]
+        fake, real = self._tensor(simulated[rows_s]), self._tensor(reference[rows_r])
+        self.discriminator.observe(torch.cat([fake, real]))
+        fake, real = self.discriminator.normalize(fake), self.discriminator.normalize(real)
+        steps = [self._step(f, r) for f, r in zip(fake.split(self.half), real.split(self.half), strict=True)]
+        means = torch.stack(steps).mean(dim=0).tolist()
+        return dict(zip(STATISTICS, means, strict=True))
+
+    def _step(self, fake: torch.Tensor, real: torch.Tensor) -> torch.Tensor:
+        """One update on normalised frames (half a batch each); returns STATISTICS."""
+        with autocast(self.device, self.precision):
+            scores = self.discriminator.scores(torch.cat([fake, real])).float()
+            norms = self.discriminator.gradient_norms(fake, real)
+        fake_scores, real_scores = scores[: len(fake)], scores[len(fake) :]
+        hinge = hinge_loss(fake_scores, real_scores)
+        loss = hinge + self.gradient_penalty * (norms - 1.0).square().mean()
+        self.optimizer.zero_grad()
+        loss.backward()
+        total = torch.nn.utils.clip_grad_norm_(self.discriminator.parameters(), self.max_grad_norm)
+        if torch.isfinite(total):  # a batch that overflows is skipped: weights never become NaN
+            self.optimizer.step()
+        accuracy = [(real_scores > 0).float().mean(), (fake_scores < 0).float().mean()]
+        row = [loss, norms.mean(), real_scores.mean(), fake_scores.mean(), *accuracy, total]
+        return torch.stack([x.detach() for x in row])
+
+    @torch.no_grad()
+    def rewards(self, windows: np.ndarray) -> np.ndarray:
+        """Imitation reward (eq. 11) of pose windows (M, frames, links, 7): (M,); -1 where a window is not finite."""
+        finite = finite_rows(windows)
+        chunks = []
+        for start in range(0, len(windows), SCORE_CHUNK):
+            with autocast(self.device, self.precision):
+                frames = self._tensor(np.nan_to_num(windows[start : start + SCORE_CHUNK]))
+                chunks.append(imitation_reward(self.discriminator(frames).float()).cpu())
+        return np.where(finite, torch.cat(chunks).numpy(), -1.0).astype(np.float32)
+
+    def state_dict(self) -> dict[str, Any]:
+        """Weights, normaliser and optimiser."""
+        return {"network": self.discriminator.state_dict(), "optimizer": self.optimizer.state_dict()}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Restore what ``state_dict`` gave."""
+        self.discriminator.load_state_dict(state["network"])
+        self.optimizer.load_state_dict(state["optimizer"])
+
+    def _tensor(self, array: np.ndarray) -> torch.Tensor:
+        return torch.from_numpy(np.ascontiguousarray(array, np.float32)).to(self.device)
+
+
+STATISTICS = (
+    "loss",
+    "gradient_norm",
+    "score_reference",
+    "score_simulated",
+    "accuracy_reference",
+    "accuracy_simulated",
+    "update_norm",
+)
+
+
+def finite_rows(windows: np.ndarray) -> np.ndarray:
+    """Which rows of (M, ...) hold finite numbers alone: (M,) bool."""
+    return np.isfinite(windows.reshape(len(windows), -1)).all(axis=1)

@@ -1,0 +1,1 @@
+"""Steering a policy live: by keys in a window, or by sliders in the browser."""

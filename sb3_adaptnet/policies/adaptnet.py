@@ -1,0 +1,217 @@
+"""AdaptNet as a Stable-Baselines3 policy."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from gymnasium import spaces
+from stable_baselines3.common.type_aliases import Schedule
+from torch import nn
+
+from sb3_adaptnet.modules.adaptation.adapted import Adaptation, AdaptedActor, Penalties
+from sb3_adaptnet.modules.adaptation.merge import merge
+from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
+from sb3_adaptnet.modules.backbone import Backbone
+from sb3_adaptnet.modules.layers.precision import autocast
+from sb3_adaptnet.modules.observation import Observation
+from sb3_adaptnet.policies.from_base import AdaptingPolicy
+from sb3_adaptnet.weights.checkpoint import ADAPTATION, build_checked, check_base, load_checked, read_adaptation
+
+TRAINED = "main"  # name of the adaptation that a policy trains
+
+
+class AdaptNetPolicy(AdaptingPolicy):
+    """AdaptNet: a frozen base, an injector into its latents, adaptors at its layers (paper, secs. 4 and 5).
+
+    At the start it acts exactly as its base. `alpha` may be set at any time (0 is the base, 1 the adapted policy);
+    further adaptations of the same base may be added and blended.
+    """
+
+    actor: AdaptedActor
+
+    def __init__(
+        self,
+        observation_space: spaces.Space,
+        action_space: spaces.Space,
+        lr_schedule: Schedule,
+        use_sde: bool = False,
+        base: str | Path | None = None,
+        injection: str = "z0",
+        own_encoder: bool = True,
+        adaptors: str | None = "full",
+        rank: int = 64,
+        injector: bool = True,
+        beta: float = 0.01,
+        kappa: float = 0.01,
+        alpha: float = 1.0,
+        **settings: Any,
+    ) -> None:
+        """Read the base and add an adaptation that does nothing yet.
+
+        Args:
+            observation_space: see `ObjectivePolicy`, as the next two.
+            action_space: carries `joint_names`, and `default_base` if no base is given.
+            lr_schedule: PPO's learning rate.
+            use_sde: not supported.
+            base: name of a shipped base, or a file; None takes the environment's default.
+            injection: latent space that is injected: "z0" (the paper's choice), "z1", "z2" or "all".
+            own_encoder: whether the injector has its own state encoder.
+            adaptors: "full", "lora" or None.
+            rank: rank of "lora" adaptors.
+            injector: whether there is an injector.
+            beta: coefficient of the injection's norm (eq. 12).
+            kappa: coefficient of the adaptors' norm (eq. 12).
+            alpha: scale of the adaptation.
+            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
+
+        Raises:
+            ValueError: for an unknown choice, or if there would be nothing to train.
+            CheckpointError: if the base cannot be read.
+        """
+        if not injector and adaptors is None:
+            raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
+        self._choices = {
+            "injection": injection,
+            "own_encoder": own_encoder,
+            "adaptors": adaptors,
+            "rank": rank,
+            "injector": injector,
+        }
+        self._penalties = Penalties(beta, kappa)
+        self.merged = False
+        super().__init__(observation_space, action_space, lr_schedule, use_sde, base, **settings)
+        self.alpha = alpha
+
+    def adapt(self, base: Backbone) -> AdaptedActor:
+        """The base with an adaptation that does nothing yet."""
+        shape = AdaptationShape(heightmap=self.reads_heightmap and self._choices["injector"], **self._choices)  # type: ignore
+        adaptation = Adaptation(base.architecture, shape)
+        adaptation.start_from(base)
+        return AdaptedActor(base, {TRAINED: adaptation}, self._penalties)
+
+    def _with_base_code(self, observation: Observation) -> Observation:
+        with autocast(self.device, self.precision):
+            return observation._replace(base_code=self.actor.base.code(observation.frames))
+
+    # -- run time (paper, sec. 8.1) ----------------------------------------------------------------------------------
+
+    @property
+    def alpha(self) -> float:
+        """Scale of the adaptation: 0 is the base, 1 the adapted policy; any finite number."""
+        return self.actor.alpha
+
+    @alpha.setter
+    def alpha(self, value: float) -> None:
+        if not math.isfinite(value):
+            raise ValueError(f"alpha must be a finite number, not {value}")
+        if self.merged and value != self.actor.alpha:
+            raise ValueError(f"the adaptors are merged at alpha = {self.actor.alpha}, which can no longer change")
+        self.actor.alpha = float(value)
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Weight of each adaptation in the blend; the one that is trained is called "main"."""
+        return dict(self.actor.weights)
+
+    def blend(self, weights: Mapping[str, float]) -> None:
+        """Set the adaptations' weights, such as {"stoop": 0.3, "limp": 0.7}; those not named get 0.
+
+        Raises:
+            ValueError: for an unknown name, a weight that is not finite, or a merged policy.
+        """
+        self._refuse_if_merged("blend")
+        self.actor.blend(weights)
+
+    def add_adaptation(self, name_or_file: str | Path, name: str | None = None, weight: float = 0.0) -> str:
+        """Add another adaptation of the same base, frozen.
+
+        Args:
+            name_or_file: name of a shipped adaptation, or a file.
+            name: what to call it in `blend`; None takes the file's stem.
+            weight: its weight at first.
+
+        Returns:
+            Its name.
+
+        Raises:
+            CheckpointError: if it cannot be read or adapts another base.
+            ValueError: if the name is taken, or for a merged policy.
+        """
+        self._refuse_if_merged("add an adaptation")
+        read = read_adaptation(name_or_file)
+        check_base(read, self.base_name, self.base_hash)
+        name = (name or read.file.stem).replace(".", "_")  # torch allows no dots in module names
+        if name in self.actor.adaptations:
+            raise ValueError(f"there is an adaptation {name!r} already; this policy has {list(self.actor.adaptations)}")
+        shape = build_checked(read.file, read.card, lambda: AdaptationShape.from_dict(read.card["shape"]))
+        self._refuse_missing_heightmap(shape)
+        adaptation = Adaptation(self.architecture, shape)
+        load_checked(adaptation, read.tensors, read.file)
+        self.actor.adaptations[name] = adaptation.requires_grad_(False).to(self.device)
+        self.actor.weights[name] = float(weight)
+        return name
+
+    def load_adaptation(self, name_or_file: str | Path) -> None:
+        """Replace the weights (and the shape) of the trained adaptation by those of a file.
+
+        Raises:
+            CheckpointError: if it cannot be read or adapts another base.
+        """
+        self._refuse_if_merged("load an adaptation")
+        del self.actor.adaptations[TRAINED]
+        self.add_adaptation(name_or_file, TRAINED, weight=1.0)
+        self.actor.adaptations[TRAINED].requires_grad_(True)
+        self._make_optimizer()
+
+    def merge(self) -> None:
+        """Fold the adaptors, at the present alpha and weights, into the layers; actions stay equal to 1e-5.
+
+        For running only: afterwards alpha and the blend are fixed, and the adaptation can no longer be saved.
+        """
+        self._refuse_if_merged("merge again")
+        self.actor = merge(self.actor).requires_grad_(False)
+        self.merged = True
+
+    def _refuse_if_merged(self, wish: str) -> None:
+        if self.merged:
+            raise ValueError(f"cannot {wish}: this policy's adaptors are merged into its layers")
+
+    def _refuse_missing_heightmap(self, shape: AdaptationShape) -> None:
+        if shape.heightmap and not self.reads_heightmap:
+            raise ValueError(
+                f"the adaptation reads a heightmap, but the observation space {self.observation_space} has none"
+            )
+
+    # -- saving and loading ------------------------------------------------------------------------------------------
+
+    def describe_actor(self) -> dict[str, Any]:
+        """Base, and the shape of every adaptation."""
+        shapes = {name: adaptation.shape.to_dict() for name, adaptation in self.actor.parts().items()}
+        return super().describe_actor() | {"adaptations": shapes, "merged": self.merged}
+
+    def actor_from(self, description: Mapping[str, Any]) -> AdaptedActor:
+        """Base and adaptations of the described shapes."""
+        base = Backbone(Architecture.from_dict(description["architecture"]))
+        self.merged = description["merged"]
+        adaptations = {}
+        for name, values in description["adaptations"].items():
+            shape = AdaptationShape.from_dict(values)
+            adaptation = Adaptation(base.architecture, shape)
+            adaptations[name] = adaptation.requires_grad_(name == TRAINED and not self.merged)
+        return AdaptedActor(base, adaptations, self._penalties)
+
+    def runtime(self) -> dict[str, Any]:
+        """Alpha and the blend's weights."""
+        return {"alpha": self.actor.alpha, "weights": self.actor.weights}
+
+    def set_runtime(self, values: Mapping[str, Any]) -> None:
+        """Restore alpha and the blend's weights."""
+        self.actor.alpha, self.actor.weights = values["alpha"], dict(values["weights"])
+
+    def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
+        """The trained adaptation, without its base."""
+        self._refuse_if_merged("save the adaptation")
+        adaptation = self.actor.parts()[TRAINED]
+        card = super().describe_actor() | {"method": "adaptnet", "shape": adaptation.shape.to_dict()}
+        return ADAPTATION, adaptation, card

@@ -1,0 +1,91 @@
+"""From a file, or the name of a shipped one, to a policy that acts."""
+
+from pathlib import Path
+from typing import Any
+
+import torch
+from gymnasium import spaces
+
+from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
+from sb3_adaptnet.policies.baselines import ProgressivePolicy
+from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.policies.pretrain import PretrainPolicy
+from sb3_adaptnet.weights.checkpoint import BASE, AdaptationFile, read_adaptation, read_base, read_kind, resolve
+from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
+from sb3_adaptnet.weights.weight_file import CheckpointError
+
+_ADAPTING = {"adaptnet": AdaptNetPolicy, "progressive": ProgressivePolicy}  # a card's "method" -> policy
+
+
+def load_policy(
+    name_or_file: str | Path,
+    env: Any,
+    device: str | torch.device = "cpu",
+    base: str | Path | None = None,
+) -> ObjectivePolicy:
+    """Open a base or an adaptation for acting; never runs code from the file.
+
+    Args:
+        name_or_file: name of a shipped base or adaptation, or a path.
+        env: an environment, vectorised or not, for its observation and action spaces.
+        device: "cpu", "cuda", ...
+        base: the adaptation's base; None looks beside the adaptation, then among the shipped ones.
+
+    Returns:
+        A policy in evaluation mode: `policy.predict(obs, deterministic=True)`. Its critic is fresh.
+
+    Raises:
+        CheckpointError: if a file is missing, damaged or foreign, or adapts another base.
+        ValueError: if the environment does not fit the network.
+    """
+    file = resolve(name_or_file)
+    observations, actions = _spaces(env)
+    policy: ObjectivePolicy
+    if read_kind(file) == BASE:
+        policy = _base_policy(file, observations, actions)
+    else:
+        policy = _adapted_policy(read_adaptation(file), observations, actions, base)
+    policy.to(device).train(False)
+    return policy
+
+
+def _spaces(env: Any) -> tuple[spaces.Space, spaces.Space]:
+    """Spaces of one environment, also from a gymnasium VectorEnv."""
+    observations = getattr(env, "single_observation_space", None) or env.observation_space
+    return observations, getattr(env, "single_action_space", None) or env.action_space
+
+
+def _base_policy(file: Path, observations: spaces.Space, actions: spaces.Space) -> PretrainPolicy:
+    read = read_base(file)
+    sizes = read.backbone.architecture
+    policy = PretrainPolicy(observations, actions, _no_learning, sizes.gru_size, sizes.hidden_sizes)
+    policy.assemble(read.backbone.with_joints(policy.joints))
+    return policy
+
+
+def _adapted_policy(
+    read: AdaptationFile, observations: spaces.Space, actions: spaces.Space, base: str | Path | None
+) -> ObjectivePolicy:
+    method = read.card.get("method")
+    if method not in _ADAPTING:
+        raise CheckpointError(f"{str(read.file)!r} was made by {method!r}, but known methods are {list(_ADAPTING)}")
+    policy = _ADAPTING[method](observations, actions, _no_learning, base=base or _find_base(read))
+    policy.load_adaptation(read.file)  # type: ignore[attr-defined]
+    return policy
+
+
+def _find_base(read: AdaptationFile) -> Path | str:
+    name = str((read.card.get("base") or {}).get("name"))
+    beside = read.file.with_name(f"{name}{WEIGHT_SUFFIX}")
+    if beside.is_file():
+        return beside
+    if name not in pretrained_names():
+        raise CheckpointError(
+            f"{str(read.file)!r} adapts base {name!r}, which is neither beside it nor among {pretrained_names()}; "
+            f"say where it is with base=..."
+        )
+    return name
+
+
+def _no_learning(_: float) -> float:
+    return 0.0

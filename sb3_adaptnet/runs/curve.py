@@ -1,0 +1,64 @@
+"""Learning curves as a picture."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from sb3_adaptnet.runs.history import Row
+from sb3_adaptnet.runs.run_folder import RunFolder, write_atomically
+
+FALLS, LENGTH = "falls_per_minute", "episode_length"
+LABELS = {FALLS: "falls per minute", LENGTH: "episode length [steps]"}
+WINDOW = 15  # rollouts that the strong line is the mean of
+
+
+def draw_curve(rows: Sequence[Row], folder: RunFolder) -> None:
+    """Draw a run's rows over samples into its ``curve.png``."""
+    if rows:
+        settings = folder.settings
+        draw_curves({"": rows}, folder.curve, f"{settings.env_id}, seed {settings.seed}")
+
+
+def draw_curves(histories: Mapping[str, Sequence[Row]], path: Path, title: str = "") -> None:
+    """Draw the rewards, falls and episode lengths of one run or several over their samples.
+
+    Args:
+        histories: Name of a run, shown in the legend, to its rows.
+        path: PNG file; its folder must exist.
+        title: Line above.
+    """
+    columns = panels(histories)
+    figure = Figure(figsize=(10, 3 * -(-len(columns) // 2)), layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.subplots(-(-len(columns) // 2), 2, squeeze=False).flat
+    for column, axes in zip(columns, grid, strict=False):  # in this order zip leaves `grid` at the next
+        for number, (name, rows) in enumerate(histories.items()):
+            points = np.array([(row["samples"] / 1e6, row[column]) for row in rows if column in row]).reshape(-1, 2)
+            axes.plot(*points.T, linewidth=0.6, alpha=0.35, color=f"C{number}")
+            axes.plot(points[:, 0], moving_mean(points[:, 1]), linewidth=1.4, color=f"C{number}", label=name)
+        axes.set_xlabel("samples [million]")
+        axes.set_ylabel(LABELS.get(column, column.replace("_", " ")))
+        axes.grid(alpha=0.3)
+    for axes in list(grid):  # an odd number of panels leaves one over
+        axes.set_axis_off()
+    if len(histories) > 1:
+        figure.axes[0].legend()
+    figure.suptitle(title)
+    write_atomically(path, lambda stream: figure.savefig(stream, format="png", dpi=100))
+
+
+def panels(histories: Mapping[str, Sequence[Row]]) -> list[str]:
+    """Columns that are drawn: every objective's reward, then falls and length."""
+    found = dict.fromkeys(column for rows in histories.values() for row in rows for column in row)
+    return [*(column for column in found if column.endswith("_reward")), FALLS, LENGTH]
+
+
+def moving_mean(values: np.ndarray, window: int = WINDOW) -> np.ndarray:
+    """Mean of up to `window` values around each; shorter at both ends."""
+    if not len(values):
+        return values
+    ones = np.ones(min(window, len(values)))
+    return np.convolve(values, ones, "same") / np.convolve(np.ones(len(values)), ones, "same")

@@ -1,0 +1,193 @@
+"""Experiments of the zoo's YAML files: what to train with on an environment."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import yaml
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+
+from sb3_adaptnet.weights.shipped import zoo_config_path
+
+DEFAULT_CONF = "ppo"
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # plain values alone, in C where libyaml is there
+FALLBACK = "default"  # entry for ids that have none of their own, as in rl_zoo3
+RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")  # of the run, not of PPO
+NOT_FROM_YAML = ("self", "env", "policy", "_init_setup_model")
+PPO_KEYS = tuple(name for name in inspect.signature(PPO.__init__).parameters if name not in NOT_FROM_YAML)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One entry of a YAML file.
+
+    Attributes:
+        env_id: Environment it is for.
+        policy: The policy class.
+        ppo: Keyword arguments of ``PPO`` besides policy and environment, with ``policy_kwargs``.
+        n_envs: Worlds.
+        samples: Control steps over all worlds to train for.
+        callbacks: (class, keyword arguments) in order.
+        env_kwargs: Arguments of the environment.
+    """
+
+    env_id: str
+    policy: type
+    ppo: dict[str, Any]
+    n_envs: int
+    samples: int
+    callbacks: tuple[tuple[type, dict[str, Any]], ...]
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+
+    def make_callbacks(self) -> list[BaseCallback]:
+        """Make the callbacks anew; one that has been in a training cannot serve another."""
+        return [cls(**kwargs) for cls, kwargs in self.callbacks]
+
+
+def hyperparameters(env_id: str, base: str | None = None, conf_file: str | Path | None = None) -> dict[str, Any]:
+    """Return PPO's keyword arguments for an environment from the zoo's YAML entry.
+
+    Args:
+        env_id: Such as "AdaptNet/Humanoid-Stoop-v0".
+        base: Name or file of the base to adapt; None keeps the entry's.
+        conf_file: YAML file, or the name of a shipped one; default "ppo".
+
+    Returns:
+        ``n_steps``, ``batch_size``, ``policy_kwargs`` and so on, a fresh dict.
+
+    Raises:
+        ValueError: If the file is unknown, it has neither an entry for the id nor a `default`, or the entry holds a key
+            that nothing reads.
+    """
+    return dict(experiment(env_id, base, conf_file).ppo)
+
+
+def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
+    """Make the callbacks of the zoo's YAML entry, for ``PPO.learn``: the discriminators first, then any ramps.
+
+    Args:
+        env_id: Such as "AdaptNet/Humanoid-Stoop-v0".
+        conf_file: YAML file, or the name of a shipped one; default "ppo".
+
+    Raises:
+        ValueError: As ``hyperparameters``.
+    """
+    return experiment(env_id, conf_file=conf_file).make_callbacks()
+
+
+def experiment(env_id: str, base: str | None = None, conf_file: str | Path | None = None) -> Experiment:
+    """Read and check the whole entry of an environment; arguments and errors as ``hyperparameters``."""
+    file = conf_path(conf_file)
+    entry = read_entry(file, env_id)
+    where = f"{file.name}: {env_id}"
+    _refuse_unknown(where, entry, (*PPO_KEYS, *RUN_KEYS))
+    for key in ("policy", "n_envs", "n_timesteps"):
+        if key not in entry:
+            raise ValueError(f"{where}: the entry lacks {key!r}")
+    policy = load_class(entry["policy"], where)
+    policy_kwargs = dict(entry.get("policy_kwargs") or {})
+    if base is not None:
+        policy_kwargs["base"] = base
+    _refuse_unknown(f"{where}: policy_kwargs", policy_kwargs, arguments_of(policy))
+    ppo = {key: _number(where, key, value) for key, value in entry.items() if key in PPO_KEYS}
+    return Experiment(
+        env_id=env_id,
+        policy=policy,
+        ppo={**ppo, "policy_kwargs": policy_kwargs},
+        n_envs=int(entry["n_envs"]),
+        samples=int(float(entry["n_timesteps"])),
+        callbacks=tuple(_callbacks(where, entry.get("callback"))),
+        env_kwargs=dict(entry.get("env_kwargs") or {}),
+    )
+
+
+def conf_path(conf_file: str | Path | None) -> Path:
+    """Find a YAML file by path or shipped name.
+
+    Raises:
+        ValueError: If there is neither such a file nor such a name.
+    """
+    if conf_file is None:
+        return zoo_config_path(DEFAULT_CONF)
+    if Path(conf_file).is_file():
+        return Path(conf_file)
+    if Path(conf_file).suffix in (".yml", ".yaml") and len(Path(conf_file).parts) > 1:
+        raise ValueError(f"no such configuration file: {conf_file}")
+    return zoo_config_path(str(conf_file))
+
+
+def read_entry(file: Path, env_id: str) -> dict[str, Any]:
+    """Read the entry of an environment as it stands, or the file's fallback.
+
+    Raises:
+        ValueError: If the file is no YAML file, or has neither.
+    """
+    try:
+        entries = yaml.load(file.read_text(encoding="utf-8"), Loader=LOADER)
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ValueError(f"{file} is not a YAML file: {' '.join(str(error).split())}") from error
+    if not isinstance(entries, dict):
+        raise ValueError(f"{file} must hold a mapping from environment ids to their settings")
+    names = (env_id, env_id.rpartition(":")[2], FALLBACK)  # "module:id" may have an entry of its own, or its id's
+    entry = next((entries[name] for name in names if name in entries), None)
+    if not isinstance(entry, dict):
+        known = ", ".join(key for key in entries if not str(key).startswith("."))
+        raise ValueError(f"{file.name} has no entry for {env_id!r}; it has: {known}")
+    return entry
+
+
+def _refuse_unknown(where: str, given: Mapping[str, Any], valid: tuple[str, ...]) -> None:
+    unknown = [str(key) for key in given if key not in valid]
+    if unknown:
+        raise ValueError(f"{where}: unknown key {unknown[0]!r}; valid are: {', '.join(sorted(valid))}")
+
+
+def _number(where: str, key: str, value: Any) -> Any:
+    """Refuse numbers that YAML reads as text (5e-6), and rl_zoo3's schedules."""
+    if isinstance(value, str) and value.startswith("lin_"):
+        raise ValueError(f"{where}: {key} is {value!r}, a schedule; write a number, kl_range steers it")
+    if isinstance(value, str):
+        try:
+            float(value)
+        except ValueError:
+            return value
+        raise ValueError(f"{where}: {key} is text to YAML: write {float(value)!r} with a decimal point, as in 5.0e-6")
+    return value
+
+
+def load_class(name: str, where: str) -> type:
+    """Import a class by its dotted name.
+
+    Raises:
+        ValueError: If there is no such module or class.
+    """
+    module, _, attribute = str(name).rpartition(".")
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ValueError(f"{where}: no class {name!r} ({error})") from error
+
+
+def arguments_of(cls: type) -> tuple[str, ...]:
+    """Names of a class's constructor arguments, its bases' as well where it hands ``**kwargs`` on."""
+    names: dict[str, None] = {}
+    for base in inspect.getmro(cls):
+        parameters = inspect.signature(base).parameters.values()
+        names.update((p.name, None) for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY))
+        if not any(p.kind is p.VAR_KEYWORD for p in parameters):
+            break
+    return tuple(name for name in names if name != "self")
+
+
+def _callbacks(where: str, entries: Any) -> list[tuple[type, dict[str, Any]]]:
+    found = []
+    for entry in entries if isinstance(entries, list) else [] if entries is None else [entries]:
+        name, settings = next(iter(entry.items())) if isinstance(entry, dict) else (entry, {})
+        cls = load_class(name, where)
+        _refuse_unknown(f"{where}: {name}", settings or {}, arguments_of(cls))
+        found.append((cls, dict(settings or {})))
+    return found

@@ -1,0 +1,155 @@
+"""The folder of one training run: what was asked for, its configuration, checkpoint, progress, curve."""
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import torch
+import yaml
+
+from adapt_envs.motion.library import load_clip, ships
+from sb3_adaptnet.runs.experiment import Experiment, conf_path, experiment, read_entry
+
+RUNS = Path("runs")
+MOTION = "motion.npz"  # the clip as it was trained on, if it is none of those that ship
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """What a run was asked to do; enough to build the same model again.
+
+    Attributes:
+        env_id: Environment.
+        samples: Control steps over all worlds to reach.
+        seed: Seed of networks, worlds and orders.
+        conf_file: YAML file or shipped name; None for "ppo".
+        base: Base to adapt, name or file; None for the entry's.
+        motion: Clip or file for environments that take ``motion=``.
+        n_envs: Worlds; None for the entry's.
+        device: "cpu" or "cuda".
+        threads: Threads of physics and networks; None for all cores.
+    """
+
+    env_id: str
+    samples: int
+    seed: int = 0
+    conf_file: str | None = None
+    base: str | None = None
+    motion: str | None = None
+    n_envs: int | None = None
+    device: str = "cpu"
+    threads: int | None = None
+
+
+class RunFolder:
+    """Paths and files of a run.
+
+    Attributes:
+        path: The folder.
+        settings: What was asked for.
+        motion: A copy of the clip, if it does not ship: the folder may be moved.
+        config: The zoo's entry as it was when the run began; a resumed run reads it again.
+    """
+
+    def __init__(self, path: Path, settings: RunSettings) -> None:
+        """Name a folder; nothing is written."""
+        self.path, self.settings = path, settings
+        self.config = path / "config.yml"
+        self.motion = path / MOTION
+        self.checkpoint = path / "checkpoint.pt"
+        self.progress = path / "progress.csv"
+        self.curve = path / "curve.png"
+
+    @classmethod
+    def new(cls, settings: RunSettings, path: str | Path | None = None) -> "RunFolder":
+        """Create the folder, write ``run.json`` and ``config.yml``; without a path the next free one under ``runs/``.
+
+        Raises:
+            ValueError: If the path holds a run already, or there is no entry for what it shall train on.
+        """
+        entry = read_entry(conf_path(settings.conf_file), settings.env_id)
+        folder = cls(Path(path) if path is not None else next_path(settings.env_id), settings)
+        if (folder.path / "run.json").exists():
+            raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
+        folder.path.mkdir(parents=True, exist_ok=True)
+        if settings.motion is not None and not ships(settings.motion):
+            load_clip(settings.motion).save(folder.motion)
+            settings = replace(settings, motion=str(folder.motion))
+        config = yaml.safe_dump({settings.env_id: entry}, sort_keys=False)
+        write_atomically(folder.config, lambda stream: stream.write(config.encode()))
+        folder.write_settings(settings)
+        return folder
+
+    @classmethod
+    def open(cls, path: str | Path) -> "RunFolder":
+        """Open a run by its folder, or by its name under ``runs/``.
+
+        Raises:
+            ValueError: If there is no run, or its description is damaged.
+        """
+        folder = Path(path) if (Path(path) / "run.json").is_file() else RUNS / path
+        file = folder / "run.json"
+        if not file.is_file():
+            raise ValueError(f"no training run at {path}: it has no run.json")
+        try:
+            values = json.loads(file.read_text(encoding="utf-8"))
+            settings = RunSettings(**{f.name: values[f.name] for f in fields(RunSettings)})
+            if settings.motion == MOTION:
+                settings = replace(settings, motion=str(folder / MOTION))
+            return cls(folder, settings)
+        except (ValueError, KeyError, TypeError) as error:
+            raise ValueError(f"{file} is damaged: {error}") from error
+
+    @property
+    def experiment(self) -> Experiment:
+        """What the run trains with: its own ``config.yml``, whatever became of the file that it was copied from.
+
+        Raises:
+            ValueError: If that was removed or damaged.
+        """
+        return experiment(self.settings.env_id, self.settings.base, self.config)
+
+    def write_settings(self, settings: RunSettings) -> None:
+        """Write ``run.json``; a clip of the folder's own is named without the folder, which may move."""
+        self.settings = settings
+        motion = MOTION if settings.motion == str(self.motion) else settings.motion
+        text = json.dumps(asdict(replace(settings, motion=motion)), indent=2) + "\n"
+        write_atomically(self.path / "run.json", lambda stream: stream.write(text.encode()))
+
+    def save(self, state: dict[str, Any]) -> None:
+        """Write the checkpoint; a kill at any moment leaves the old or the new one whole."""
+        write_atomically(self.checkpoint, lambda stream: torch.save(state, stream))
+
+    def load(self) -> dict[str, Any]:
+        """Read the checkpoint, tensors and plain values alone (no code runs), into main memory.
+
+        Raises:
+            ValueError: If there is none, or it cannot be read.
+        """
+        if not self.checkpoint.is_file():
+            raise ValueError(f"{self.path} has no checkpoint yet")
+        try:
+            return torch.load(self.checkpoint, map_location="cpu", weights_only=True)
+        except Exception as error:  # torch raises many kinds for a cut or foreign file
+            raise ValueError(f"{self.checkpoint} is not a checkpoint of this program, or is cut short") from error
+
+
+def next_path(env_id: str) -> Path:
+    """Next free folder ``runs/NAME_N``; the slash and colon of an id become dashes."""
+    name, number = env_id.replace("/", "-").replace(":", "-"), 1
+    while (RUNS / f"{name}_{number}").exists():
+        number += 1
+    return RUNS / f"{name}_{number}"
+
+
+def write_atomically(path: Path, write: Callable[[BinaryIO], Any]) -> None:
+    """Write a file beside ``path``, flush it to disk, then rename it over ``path``."""
+    temporary = path.with_name(path.name + ".tmp")
+    with temporary.open("wb") as stream:
+        write(stream)
+        stream.flush()
+        os.fsync(stream.fileno())
+    os.replace(temporary, path)

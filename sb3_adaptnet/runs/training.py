@@ -1,0 +1,177 @@
+"""Building a model from a zoo entry and training it in a run folder."""
+
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
+from stable_baselines3.common.logger import configure
+
+from sb3_adaptnet.policies.from_base import AdaptingPolicy
+from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
+from sb3_adaptnet.runs.experiment import Experiment, experiment
+from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.runs.curve import draw_curve
+from sb3_adaptnet.runs.progress import Progress
+from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
+from sb3_adaptnet.runs.saver import RunSaver
+from sb3_adaptnet.zoo.vec_env import spec_of, training_ground
+
+
+@dataclass
+class Learner:
+    """A model with its worlds and the entry's callbacks.
+
+    Attributes:
+        model: PPO with a policy of this package.
+        discriminators: The callback that makes it multi-objective.
+        others: Further callbacks of the entry.
+    """
+
+    model: PPO
+    discriminators: DiscriminatorRewardCallback
+    others: list[BaseCallback]
+
+    @property
+    def worlds(self) -> AdaptVecEnv:
+        """The vector environment."""
+        return self.model.env  # type: ignore[return-value]
+
+
+def build_learner(
+    settings: RunSettings, entry: Experiment | None = None, samples_done: int = 0, **overrides: Any
+) -> Learner:
+    """Make worlds, model and callbacks; nothing is written.
+
+    Args:
+        settings: What was asked for.
+        entry: What to train with; None for the settings' entry of the zoo.
+        samples_done: Samples of a resumed run; the worlds restart with another seed.
+        **overrides: Further arguments of ``AdaptVecEnv`` (tests hand in ``env``).
+
+    Raises:
+        ValueError: If anything asked for does not exist or does not fit.
+    """
+    if settings.threads is not None:
+        torch.set_num_threads(settings.threads)
+    entry = entry or experiment(settings.env_id, settings.base, settings.conf_file)
+    env = make_worlds(settings, entry, **overrides)
+    model = PPO(entry.policy, env, seed=settings.seed, device=settings.device, **entry.ppo)
+    env.seed(settings.seed + samples_done)
+    callbacks = entry.make_callbacks()
+    discriminators = next((c for c in callbacks if isinstance(c, DiscriminatorRewardCallback)), None)
+    others = [c for c in callbacks if c is not discriminators]
+    return Learner(model, discriminators or DiscriminatorRewardCallback(), others)
+
+
+def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv:
+    """Make the run's vector environment."""
+    kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs, "stagger": True}
+    kwargs.update(training_ground(spec_of(settings.env_id), settings.seed))
+    kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
+    if settings.motion is not None:
+        kwargs["motion"] = settings.motion
+    return AdaptVecEnv(**{**kwargs, **overrides})
+
+
+def start(
+    settings: RunSettings, run_dir: str | Path | None = None, callbacks: Sequence[BaseCallback] = (), **options: Any
+) -> RunFolder:
+    """Train from the beginning in a new folder, with further callbacks; options are ``learn``'s."""
+    learner = build_learner(settings)
+    learner.others.extend(callbacks)
+    if isinstance(learner.model.policy, AdaptingPolicy):
+        learner.model.policy.check_base_found()
+    return learn(learner, RunFolder.new(settings, run_dir), **options)
+
+
+def resume(
+    run: str | Path, samples: int | None = None, device: str | None = None, threads: int | None = None, **options: Any
+) -> RunFolder:
+    """Go on with a run from its last checkpoint, by its own ``config.yml``; all states as they were."""
+    folder = RunFolder.open(run)
+    state = folder.load()
+    changes: dict[str, Any] = {"samples": samples, "device": device, "threads": threads}
+    settings = replace(folder.settings, **{name: new for name, new in changes.items() if new is not None})
+    learner = build_learner(settings, folder.experiment, int(state["samples"]))
+    folder.write_settings(settings)
+    return learn(learner, folder, state=state, **options)
+
+
+def learn(
+    learner: Learner,
+    folder: RunFolder,
+    state: dict[str, Any] | None = None,
+    minutes: float = 3.0,
+    quiet: bool = False,
+) -> RunFolder:
+    """Train until the folder's number of samples, Ctrl-C or SIGTERM, then save.
+
+    Args:
+        learner: What to train.
+        folder: Where checkpoint, progress.csv, curve.png and TensorBoard's events go.
+        state: Checkpoint to go on from.
+        minutes: Time between checkpoints.
+        quiet: Show no progress.
+
+    Returns:
+        The folder.
+    """
+    model, discriminators = learner.model, learner.discriminators
+    saver = RunSaver(folder, discriminators, minutes, state)
+    ramps = [callback for callback in learner.others if isinstance(callback, AttributeRamp)]
+    progress = Progress(folder, discriminators, ramps, saver.seconds, quiet)
+    done = int(state["samples"]) if state else 0
+    model.num_timesteps = done
+    model.set_logger(configure(str(folder.path), ["tensorboard"]))
+    callbacks = CallbackList([discriminators, *learner.others, CurveDrawer(progress), progress, saver])
+    with stopping(saver):
+        model.learn(max(folder.settings.samples - done, 0), callback=callbacks, reset_num_timesteps=False)
+    saver.save()
+    learner.worlds.close()
+    return folder
+
+
+class CurveDrawer(BaseCallback):
+    """Redraws the learning curve every 25 rollouts."""
+
+    def __init__(self, progress: Progress, rollouts: int = 25) -> None:
+        """Draw ``progress``'s rows every ``rollouts`` rollouts."""
+        super().__init__()
+        self.progress, self.rollouts, self._count = progress, rollouts, 0
+
+    def _on_step(self) -> bool:
+        return True
+
+    def _on_rollout_start(self) -> None:
+        self._count += 1
+        if self._count % self.rollouts == 0:
+            draw_curve(self.progress.rows, self.progress.folder)
+
+
+@contextmanager
+def stopping(saver: RunSaver) -> Iterator[None]:
+    """The first Ctrl-C or SIGTERM asks the run to save and leave; the second ends it as usual."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def leave_to_default() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    def ask(number: int, frame: Any) -> None:
+        del number, frame
+        leave_to_default()
+        saver.ask_to_stop()
+
+    for number in before:
+        signal.signal(number, ask)
+    try:
+        yield
+    finally:
+        leave_to_default()

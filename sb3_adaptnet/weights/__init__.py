@@ -1,0 +1,1 @@
+"""Weights on disk: safetensors files with cards, and those that ship."""

@@ -1,0 +1,240 @@
+"""Uneven ground: its shape, its heights, what stands on it and what is seen of it."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from adapt_envs import AdaptEnv, env_id, make_vector
+from adapt_envs.features.heightmap import AHEAD, ASIDE, SIZE, heightmaps
+from adapt_envs.model.ground import Ground, Surface, make_ground
+from adapt_envs.model.patch_grid import INSET, PATCH
+from adapt_envs.model.terrain import GRID, TERRAINS, normalised, perlin, uniform_noise, without_bulges
+
+ROWS = ("TerrainHills", "TerrainRocky", "TerrainRugged")
+CELLS = round(PATCH / GRID) + 1
+
+
+def ray_heights(model, xy):
+    """Heights (n,) that MuJoCo's own rays meet below points (n, 2)."""
+    data, geom = mujoco.MjData(model), np.zeros(1, np.int32)
+    data.qpos[:2] = 1000  # the character is out of the way
+    mujoco.mj_kinematics(model, data)
+    down = np.array([0, 0, -1.0])
+    return np.array([5 - mujoco.mj_ray(model, data, np.array([*p, 5.0]), down, None, 1, -1, geom) for p in xy])
+
+
+@pytest.fixture(scope="module", params=ROWS)
+def worlds(request):
+    """256 worlds of one kind of terrain, just reset."""
+    env = make_vector(env_id(request.param), 256, num_threads=1)
+    env.reset(seed=0)
+    return env.worlds
+
+
+def test_heights_equal_rays(worlds):
+    rng, half = np.random.default_rng(1), worlds.ground.patches.half + 8
+    xy = rng.uniform(-half, half, (1500, 2))
+    assert np.abs(worlds.ground.height_at(xy) - ray_heights(worlds.model, xy)).max() < 1e-3
+    assert np.ptp(worlds.ground.height_at(xy)) > 0.9
+
+
+def test_the_heightmap_equals_rays_around_turned_roots(worlds):
+    found = heightmaps(worlds.ground, worlds.root_xy, worlds.root_heading)
+    assert found.shape == (256, 1, SIZE, SIZE)
+    rng = np.random.default_rng(2)
+    for world in rng.integers(256, size=8):
+        root, heading = worlds.root_xy[world].astype(float), float(worlds.root_heading[world])
+        ahead, left = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
+        rows, columns = rng.integers(SIZE, size=(2, 40))
+        xy = root + (AHEAD - 0.1 * rows)[:, None] * ahead + (ASIDE - 0.1 * columns)[:, None] * left
+        expected = ray_heights(worlds.model, xy) - ray_heights(worlds.model, root[None])
+        assert np.abs(found[world, 0, rows, columns] - expected).max() < 1e-3
+        assert abs(found[world, 0, 24, 17]) < 1e-3  # the root itself
+
+
+def test_patches_reach_from_lowest_to_highest(worlds):
+    heights = [patch_heights(worlds.ground, *place) for place in np.ndindex(4, 4)]
+    for patch in heights:
+        assert patch.min() == pytest.approx(-0.75, abs=1e-6)
+        assert 0.4 < patch.max() < 0.75 + 1e-6
+    assert not np.allclose(heights[0], heights[1])
+
+
+def patch_heights(ground, row, column):
+    surface, centres = ground.surface, ground.patches.centres_1d
+    low = np.round((centres[[column, row]] - PATCH / 2 - surface.low) / GRID).astype(int)
+    return surface.heights[low[1] : low[1] + CELLS, low[0] : low[0] + CELLS]
+
+
+def test_patches_join_without_cliffs(worlds):
+    """Between patches the ground ramps to height 0 over 1.5 m, on both sides."""
+    ground = worlds.ground
+    seams = (ground.patches.centres_1d[:-1] + ground.patches.centres_1d[1:]) / 2
+    along = np.linspace(-50, 50, 400)
+    for seam in seams:
+        for xy in (np.column_stack([np.full(400, seam), along]), np.column_stack([along, np.full(400, seam)])):
+            assert np.abs(ground.height_at(xy)).max() < 1e-6
+
+
+def test_spawns_stand_on_the_ground_where_goals_may_be(worlds):
+    """No sole sinks in, and the lowest one is as high over the ground as it is in the clip."""
+    env = worlds
+    model, ground = env.model, env.ground
+    inside = np.abs(env.root_xy - ground.patches.clipped(env.root_xy, env.root_xy))
+    assert inside.max() < 1e-4
+    data = mujoco.MjData(model)
+    fine = np.stack(np.meshgrid(*[np.linspace(-1, 1, 30)] * 2, [-1.0]), -1).reshape(-1, 3)
+    for world in range(24):
+        data.qpos[:] = env.physics.qpos[world]
+        mujoco.mj_kinematics(model, data)
+        clearance = np.inf
+        for foot in ("right_foot", "left_foot"):
+            geom = data.geom(foot)
+            sole = geom.xpos + (fine * model.geom(foot).size) @ geom.xmat.reshape(3, 3).T
+            clearance = min(clearance, (sole[:, 2] - ground.height_at(sole)).min())
+        assert -0.03 < clearance < 0.06
+    assert np.ptp(env.root_heading) > 5  # spawned facing everywhere
+
+
+def test_heights_in_the_observation_are_relative_to_the_ground_below(worlds):
+    pelvis = worlds.physics.qpos[:, 2] - worlds.ground.height_at(worlds.physics.qpos[:, :2])
+    seen = worlds._last
+    assert np.allclose(seen["observation"][:, 3 * 15 * 13 + 2], pelvis, atol=1e-5)
+    assert np.ptp(worlds.physics.qpos[:, 2]) > 0.8 > np.ptp(pelvis)
+
+
+def test_goals_stay_three_metres_inside_their_patch(worlds):
+    ids, rng = np.arange(256), np.random.default_rng(0)
+    centres = worlds.ground.patches.centres_1d
+    for _ in range(20):
+        worlds.goals.draw(ids, worlds.root_xy, worlds.root_heading, rng)
+        target = worlds.goals.target
+        offset = np.abs(target[..., None] - centres).min(axis=-1)
+        assert offset.max() <= PATCH / 2 - INSET + 1e-4
+        same = np.abs(worlds.root_xy[..., None] - centres).argmin(-1) == np.abs(target[..., None] - centres).argmin(-1)
+        assert same.all()
+        assert np.allclose(worlds.goals.distance, np.linalg.norm(target - worlds.root_xy, axis=1), atol=1e-4)
+    assert worlds.goals.distance.max() > 6
+
+
+def test_a_goal_is_found_even_from_beyond_the_corner():
+    ground, rng = make_ground(TERRAINS["hills"], None, 0), np.random.default_rng(0)
+    root = np.full((50, 2), ground.patches.half + 5.0)
+    target = ground.kept_targets(root + 1.0, root, rng)
+    assert np.allclose(target, ground.patches.centres_1d[-1] + PATCH / 2 - INSET)
+
+
+def test_held_goals_stay_on_the_terrain():
+    env = make_vector(env_id("TerrainHills"), 16)
+    env.reset(seed=0, options={"goal_heading": 0.3, "goal_speed": 1.5})
+    offset = env.worlds.goals.target - env.worlds.root_xy
+    heading = np.arctan2(offset[:, 1], offset[:, 0])
+    assert (np.abs(heading - 0.3) < 1e-4).sum() >= 12
+    assert np.abs(env.worlds.goals.target).max() <= env.worlds.ground.patches.half - INSET + 1e-4
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_the_terrain_follows_its_own_seed(name):
+    """`terrain_seed` draws the ground, `reset(seed=...)` the spawns and goals on it."""
+    first, again, other = (AdaptEnv(name, terrain_seed=seed) for seed in (0, 0, 1))
+    surfaces = [env.worlds.ground.surface.heights for env in (first, again, other)]
+    assert np.array_equal(surfaces[0], surfaces[1])
+    assert not np.array_equal(surfaces[0], surfaces[2])
+    assert np.array_equal(AdaptEnv(name).worlds.ground.surface.heights, surfaces[0])
+    ours, same, elsewhere = first.reset(seed=3)[0], again.reset(seed=3)[0], first.reset(seed=4)[0]
+    assert all(np.array_equal(ours[key], same[key]) for key in ours)
+    assert not np.array_equal(ours["heightmap"], elsewhere["heightmap"])
+
+
+def test_perlin_noise_is_zero_at_its_nodes_smooth_and_as_coarse_as_asked():
+    heights = perlin(np.random.default_rng(0), 241, 6.0)
+    assert np.abs(heights[::60, ::60]).max() < 1e-9
+    assert np.abs(heights).max() > 0.5
+    curvature = np.abs(np.diff(heights, 2, axis=0)) / GRID**2
+    assert curvature.max() < 2.5  # no kink, also across cells
+    spectrum = np.abs(np.fft.rfft(heights - heights.mean(axis=0), axis=0)).mean(axis=1) ** 2
+    wavelengths = 24.1 / np.arange(1, len(spectrum))
+    assert spectrum[1:][wavelengths > 3].sum() > 0.9 * spectrum[1:].sum()
+
+
+def test_uniform_noise_fills_its_range_and_interpolates():
+    noise = uniform_noise(np.random.default_rng(0), 241)
+    assert 0.099 < noise.max() <= 0.1
+    assert -0.1 <= noise.min() < -0.099
+    assert np.allclose(noise[1], (3 * noise[0] + noise[4]) / 4)
+
+
+def test_cut_bulges_are_the_highest_surface_within_the_slope():
+    heights = np.random.default_rng(0).uniform(-0.3, 0.3, (40, 50))
+    cut = without_bulges(heights, 0.5)
+    rows, columns = np.arange(40)[:, None], np.arange(50)[None]
+    for i, j in ((0, 0), (17, 23), (39, 49)):
+        envelope = heights + 0.5 * GRID * (np.abs(rows - i) + np.abs(columns - j))
+        assert cut[i, j] == pytest.approx(envelope.min())
+    for axis in (0, 1):
+        assert np.abs(np.diff(cut, axis=axis)).max() <= 0.5 * GRID + 1e-12
+
+
+def test_rugged_slopes_are_limited_and_rocky_ones_have_steps():
+    patches = {name: draw(np.random.default_rng(0), CELLS) for name, draw in TERRAINS.items()}
+    steepest = {name: np.abs(np.diff(patch, axis=1)).max() / GRID for name, patch in patches.items()}
+    assert steepest["rugged"] <= 0.5 + 1e-9
+    assert steepest["hills"] < 1
+    assert 1.5 < steepest["rocky"] < 6
+    assert np.array_equal(normalised(np.ones((3, 3))), np.zeros((3, 3)))
+
+
+def test_a_wrong_terrain_is_named():
+    with pytest.raises(ValueError, match=r"'moon'.*hills, rocky, rugged"):
+        AdaptEnv("Walk", terrain="moon")
+    with pytest.raises(ValueError, match=r"\(3, 3\).*\(241, 241\)"):
+        AdaptEnv("Walk", terrain=lambda rng, size: np.zeros((3, 3)))
+    with pytest.raises(ValueError, match="finite"):
+        AdaptEnv("Walk", terrain=lambda rng, size: np.full((size, size), np.nan))
+
+
+def test_a_piece_for_pictures_has_the_same_heights():
+    ground = make_ground(TERRAINS["rocky"], None, 0)
+    middle = np.array([7.3, -11.8])
+    piece = ground.for_pictures(middle, side=8.0)
+    xy = middle + np.random.default_rng(0).uniform(-3.9, 3.9, (500, 2))
+    assert piece.surface.heights.shape == (81, 81)
+    assert np.allclose(piece.height_at(xy), ground.height_at(xy), atol=1e-5)
+    edge = ground.for_pictures(np.array([1e3, 1e3]), side=8.0)
+    assert edge.surface.heights.shape == (81, 81)
+
+
+def test_flat_ground_is_seen_as_zero():
+    env = make_vector(env_id("Walk"), 3, heightmap=True)
+    observation, _ = env.reset(seed=0)
+    assert not observation["heightmap"].any()
+    assert Ground().plain
+    assert np.array_equal(Surface(np.eye(3), (0, 0)).heights, np.eye(3))
+
+
+def test_a_diverged_world_on_terrain_keeps_its_last_finite_observation():
+    env = make_vector(env_id("TerrainHills"), 4)
+    env.reset(seed=0)
+    pose = np.tile(env.single_action_space.mean_pose, (4, 1))
+    before, *_ = env.step(pose)
+    before = {key: values.copy() for key, values in before.items()}
+    env.worlds.physics.qpos[2, 9] = np.nan
+    after, _, terminated, _, infos = env.step(pose)
+    assert terminated[2]
+    assert infos["final_info"]["end"][2] == "diverged"
+    for key in before:
+        assert np.array_equal(infos["final_obs"][2][key], before[key][2])
+        assert np.isfinite(after[key]).all()
+
+
+@pytest.mark.slow
+def test_4096_worlds_on_terrain_fit_in_4_gb():
+    env = make_vector(env_id("TerrainRocky"), 4096)
+    env.reset(seed=0)
+    pose = np.tile(env.single_action_space.mean_pose, (4096, 1))
+    for _ in range(5):
+        env.step(pose)
+    with open("/proc/self/status") as status:
+        peak = next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
+    print(f"peak of the whole process: {peak / 1e6:.2f} GB")
+    assert peak < 4e6

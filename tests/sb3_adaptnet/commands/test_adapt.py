@@ -1,0 +1,76 @@
+"""`adaptnet adapt`: a motion file to a style controller, with tiny networks and few samples."""
+
+import json
+import shutil
+
+import pytest
+from evaluation_cases import save_tiny_base
+from made_up_motions import bvh_text, write
+
+from adapt_envs.motion.clip import MotionClip
+from adapt_envs.motion.library import load_clip
+from sb3_adaptnet.commands.main import main
+
+
+@pytest.fixture
+def base(tmp_path):
+    return save_tiny_base(tmp_path)
+
+
+def small(base, tmp_path, **more):
+    words = {"--base": base, "-o": tmp_path / "mine.safetensors", "--run-dir": tmp_path / "run"}
+    words |= {"--samples": 128, "--n-envs": 8, "--threads": 1, **more}
+    return ["adapt", "--quiet", *(str(part) for pair in words.items() for part in pair)]
+
+
+def test_a_bvh_becomes_a_controller_that_can_be_measured(base, tmp_path, capsys):
+    motion = write(tmp_path, "stroll.bvh", bvh_text())
+    assert main(small(base, tmp_path, **{"--motion": motion})) == 0
+    printed = capsys.readouterr().out
+    assert f"adaptnet eval {tmp_path / 'mine.safetensors'}" in printed
+    clip = MotionClip.load(tmp_path / "run" / "motion.npz")
+    assert clip.cyclic and clip.name == "stroll"
+    card = json.loads((tmp_path / "mine.json").read_text())
+    assert card["environment"] == "AdaptNet/Humanoid-Style-v0" and card["clip_hash"] == clip.digest
+    assert card["training"]["samples"] >= 128
+    words = ["--seconds", "1", "--threads", "1", "--json"]
+    assert main(["eval", str(tmp_path / "mine.safetensors"), *words]) == 0
+    here = json.loads(capsys.readouterr().out)
+    # The clip lies beside the weights: they can be given away, and the run deleted.
+    shutil.rmtree(tmp_path / "run")
+    there = tmp_path / "elsewhere"
+    there.mkdir()
+    for file in (*tmp_path.glob("mine.*"), *tmp_path.glob(f"{base.stem}.*")):
+        shutil.move(file, there)
+    assert {file.name for file in there.glob("mine.*")} == {"mine.safetensors", "mine.json", "mine.motion.npz"}
+    assert main(["eval", str(there / "mine.safetensors"), *words]) == 0
+    assert json.loads(capsys.readouterr().out) == here
+
+
+def test_a_run_goes_on_where_it_stopped(base, tmp_path, capsys):
+    assert main(small(base, tmp_path, **{"--motion": "Stoop"})) == 0
+    first = json.loads((tmp_path / "mine.json").read_text())
+    assert first["clip_hash"] == load_clip("Stoop").digest
+    assert main(small(base, tmp_path, **{"--motion": "Stoop"})) == 2
+    assert "--resume" in capsys.readouterr().err
+    again = ["adapt", "--resume", str(tmp_path / "run"), "--samples", "256", "-o", str(tmp_path / "more"), "--quiet"]
+    assert main(again) == 0
+    second = json.loads((tmp_path / "more.json").read_text())
+    assert second["training"]["samples"] >= 256 and second["hash"] != first["hash"]
+
+
+@pytest.mark.parametrize(
+    "more, complaint",
+    [
+        ({}, "--motion"),
+        ({"--motion": "Moonwalk"}, "Moonwalk"),
+        ({"--motion": "missing.bvh"}, "no such file"),
+        ({"--motion": "Stoop", "--map": "map.yml"}, "a map is for BVH files"),
+        ({"--motion": "Stoop", "-o": "no/such/folder/mine"}, "does not exist"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_nothing_is_written(base, tmp_path, capsys, more, complaint):
+    assert main(small(base, tmp_path, **more)) == 2
+    printed = capsys.readouterr()
+    assert complaint in printed.err and printed.err.count("\n") == 1
+    assert not (tmp_path / "run").exists()

@@ -1,0 +1,123 @@
+"""`adaptnet eval` on tiny policies."""
+
+import argparse
+import json
+
+import imageio.v2 as imageio
+import pytest
+from evaluation_cases import STOOP, save_tiny_adaptation, save_tiny_base
+
+from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.commands.policy_options import add_options, open_actor, open_policy, shared_out, styles_of
+from sb3_adaptnet.evaluation.figures import Figures
+from sb3_adaptnet.evaluation.recording import open_worlds
+from sb3_adaptnet.evaluation.report import paragraph, table, text_table, write_page
+
+FIELDS = {
+    "goal_reward", "falls_per_minute", "targets_reached", "imitation_error_m", "imitation_error_std_m",
+    "slip_median_cm_s", "slip_p90_cm_s", "jerk_ratio", "seconds", "seed",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def tiny(tmp_path_factory):
+    base = save_tiny_base(tmp_path_factory.mktemp("tiny"))
+    return base, save_tiny_adaptation(base, "one", seed=1), save_tiny_adaptation(base, "two", seed=2)
+
+
+def test_the_json_has_the_fields_and_pictures_are_drawn(tiny, tmp_path, capsys):
+    sheet, film = tmp_path / "sheet.png", tmp_path / "film.gif"
+    words = ["--seconds", "40", "--seed", "4", "--threads", "1", "--json", "--sheet", str(sheet), "--video", str(film)]
+    assert main(["eval", str(tiny[0]), "--env", STOOP, *words]) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert set(figures) == FIELDS
+    assert figures["seconds"] == 40.0 and figures["seed"] == 4
+    assert figures["falls_per_minute"] > 0 and 0 < figures["goal_reward"] < 1
+    assert imageio.imread(sheet).shape[2] == 3 and len(imageio.mimread(film)) >= 6
+
+
+def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys):
+    words = ["--seconds", "1", "--threads", "1", "--json"]
+    strip = tiny[1].with_name("strip.png")
+    assert main(["eval", str(tiny[1]), *words, "--strip", str(strip)]) == 0
+    assert imageio.imread(strip).shape == (2 * 320 + 32, 5 * 230, 3)
+    adapted = json.loads(capsys.readouterr().out)
+    assert main(["eval", str(tiny[1]), *words, "--alpha", "0"]) == 0
+    without = json.loads(capsys.readouterr().out)
+    assert main(["eval", str(tiny[0]), *words]) == 0
+    assert json.loads(capsys.readouterr().out) == without != adapted
+
+
+def test_a_picture_of_an_adaptation_and_its_base(tiny):
+    pair = tiny[1].with_name("pair.png")
+    assert main(["eval", str(tiny[1]), "--seconds", "2", "--threads", "1", "--before-after", str(pair)]) == 0
+    assert imageio.imread(pair).shape == (2 * (300 + 32), 7 * 270, 3)
+
+
+@pytest.mark.parametrize(
+    "words, complaint",
+    [
+        (["nothing"], "nothing"),
+        (["BASE", "--env", "AdaptNet/Humanoid-Nowhere-v0"], "Nowhere"),
+        (["BASE", "--alpha", "0.5"], "need an adaptation"),
+        (["BASE", "--sheet", "sheet.jpg"], "the extension must be .png"),
+        (["BASE", "--push-scale", "0.5"], "no pushes to scale"),
+        (["BASE", "--strip", "strip.png"], "--strip needs an adaptation"),
+        (["BASE", "--before-after", "pair.png"], "--before-after needs an adaptation"),
+        (["BASE", "--video", "no/such/folder/film.mp4"], "does not exist"),
+        (["BASE", "--seconds", "0.01"], "one step of 20 worlds"),
+    ],
+)
+def test_bad_input_is_one_sentence(tiny, capsys, words, complaint):
+    assert main(["eval", *(str(tiny[0]) if word == "BASE" else word for word in words)]) == 2
+    printed = capsys.readouterr()
+    assert complaint in printed.err and printed.err.count("\n") == 1 and not printed.out
+
+
+@pytest.mark.parametrize("words", [["--seconds", "-1"], ["--seconds", "soon"], ["--styles", "a=much"]])
+def test_unreadable_numbers_are_refused(tiny, words):
+    with pytest.raises(SystemExit, match="2"):
+        main(["eval", str(tiny[0]), *words])
+
+
+def test_styles_of_a_base_are_blended_alone_and_share_what_is_left(tiny):
+    base, one, two = map(str, tiny)
+    env = open_worlds(STOOP, 1, num_threads=1)
+    assert open_policy(base, env, styles={one: None, two: None}).weights == {"main": 0.5, "two": 0.5}
+    assert open_policy(base, env, styles={one: 0.2, two: None}).weights == pytest.approx({"main": 0.2, "two": 0.8})
+    blended = open_policy(one, env, alpha=0.7, styles={two: None})
+    assert blended.alpha == 0.7 and blended.weights == {"main": 0.5, "two": 0.5}
+    assert open_policy(one, env).weights == {"main": 1.0}
+
+
+@pytest.mark.parametrize("words, title", [
+    (["BASE"], "base"),
+    (["ONE"], "one"),
+    (["ONE", "--alpha", "0.5"], "one, alpha 0.5"),
+    (["BASE", "--styles", "ONE=0.3,TWO"], "0.3 one + 0.7 two"),
+    (["ONE", "--styles", "TWO=1.0"], "two"),
+])  # fmt: skip
+def test_figures_and_sheets_are_headed_by_what_acts(tiny, words, title):
+    files = dict(zip(("BASE", "ONE", "TWO"), map(str, tiny), strict=True))
+    for word, file in files.items():
+        words = [text.replace(word, file) for text in words]
+    parser = argparse.ArgumentParser()
+    add_options(parser)
+    actor = open_actor(parser.parse_args([*words, "--env", STOOP, "--threads", "1"]), 1)
+    assert actor.title == title.replace("base", tiny[0].stem)
+
+
+def test_words_of_a_blend():
+    assert styles_of("a,b=0.25") == {"a": None, "b": 0.25}
+    assert shared_out({"a": None, "b": 0.25, "c": None}) == {"a": 0.375, "b": 0.25, "c": 0.375}
+    assert shared_out({"a": 0.9, "b": 0.8, "c": None}) == {"a": 0.9, "b": 0.8, "c": 0.0}
+
+
+def test_tables_and_page(tmp_path):
+    figures = {"base <1>": Figures(0.81234, 0.1, None, None, None, 3.21, 9.0, 1.5, 1200.0, 0)}
+    text = text_table(figures)
+    assert "0.812" in text and text.splitlines()[3].split()[-1] == "-"
+    assert "base &lt;1&gt;" in table(figures) and "<td>0.812</td>" in table(figures)
+    write_page(tmp_path / "page.html", "T & S", [("", [paragraph("a < b")]), ("Figures", [table(figures)])])
+    page = (tmp_path / "page.html").read_text()
+    assert "<h1>T &amp; S</h1>" in page and "<p>a &lt; b</p>" in page and "<h2>Figures</h2>" in page

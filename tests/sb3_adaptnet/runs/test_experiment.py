@@ -1,0 +1,173 @@
+"""Experiments of the zoo: YAML entries, commands, rl_zoo3."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+import yaml
+from toy_zoo import TOY, conf, run_command
+
+from adapt_envs import SUITE, env_id
+from sb3_adaptnet import FinetunePolicy, PretrainPolicy, callbacks, hyperparameters
+from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.objectives.schedule import value_at
+from sb3_adaptnet.weights.shipped import zoo_config_path
+from sb3_adaptnet.commands.main import main
+
+# ---- YAML -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("file", ["ppo", "paper"])
+@pytest.mark.parametrize("name", SUITE)
+def test_every_environment_has_an_entry(file, name):
+    entry = experiment(env_id(name), conf_file=file)
+    assert entry.n_envs == 512 and entry.samples >= 1_000_000
+    assert entry.ppo["gamma"] == {"ppo": 0.98, "paper": 0.95}[file]
+    assert entry.ppo["gae_lambda"] == 0.95 and entry.ppo["clip_range"] == 0.2
+    (_, callback), *_ = entry.callbacks
+    for samples in (0, entry.samples):
+        weights = [value_at(weight, samples) for weight in callback["objective_weights"].values()]
+        assert sum(weights) == pytest.approx(1.0)
+
+
+def test_an_id_may_name_its_module():
+    plain, named = (experiment(name) for name in (env_id("PushWalk"), f"adapt_envs:{env_id('PushWalk')}"))
+    assert named.callbacks == plain.callbacks and len(named.callbacks) == 2
+    assert experiment(f"adapt_envs:{env_id('Walk')}").policy is PretrainPolicy
+
+
+def test_schedules_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="learning_rate is 'lin_1e-4', a schedule; write a number"):
+        experiment(TOY, conf_file=conf(tmp_path, learning_rate="lin_1e-4"))
+
+
+def test_finetuning_differs_from_adapting_by_its_policy_alone():
+    ours, theirs = (experiment(env_id("Stoop"), "walk", file) for file in ("ppo", "finetune"))
+    assert theirs.policy is FinetunePolicy and ours.policy is not FinetunePolicy
+    assert replace(ours, policy=FinetunePolicy) == theirs
+
+
+@pytest.mark.parametrize("name", ["Walk", "Run"])
+def test_bases_can_be_continued_by_the_recipe_they_were_made_by(name):
+    on, anew = (experiment(env_id(name), conf_file=file) for file in ("continue", "ppo"))
+    assert on.policy is FinetunePolicy and "base" not in on.ppo["policy_kwargs"]  # the environment's default
+    assert on.n_envs == anew.n_envs
+    assert {**on.ppo, "policy_kwargs": None} == {**anew.ppo, "policy_kwargs": None}
+
+
+def test_entries_for_ids_are_explicit_in_ppo_yml():
+    """rl_zoo3 reads the same file and has no other fallback that would be ours."""
+    entries = yaml.safe_load(zoo_config_path("ppo").read_text())
+    assert {env_id(name) for name in SUITE} <= set(entries)
+
+
+def test_the_papers_table():
+    settings = hyperparameters("AdaptNet/Humanoid-Stoop-v0", conf_file="paper")
+    policy = settings["policy_kwargs"]
+    assert (policy["actor_lr"], policy["critic_lr"]) == (5e-6, 1e-4) and (policy["beta"], policy["kappa"]) == (
+        0.01,
+        0.01,
+    )
+    assert settings["n_steps"] * 512 == 4096 and settings["batch_size"] == 256 and settings["n_epochs"] == 5
+
+
+def test_hyperparameters_are_a_fresh_dict_with_the_base():
+    first = hyperparameters("AdaptNet/Humanoid-Stoop-v0", base="run")
+    assert first["policy_kwargs"]["base"] == "run"
+    first["n_steps"] = 1
+    assert hyperparameters("AdaptNet/Humanoid-Stoop-v0")["n_steps"] == 16
+
+
+@pytest.mark.parametrize("changes, message", [
+    ({"lerning_rate": 1e-4}, "'lerning_rate'.*learning_rate"),
+    ({"policy_kwargs": {"hiden": 3}}, "policy_kwargs.*'hiden'.*hidden_sizes"),
+    ({"callback": [{"sb3_adaptnet.DiscriminatorRewardCallback": {"kl": 1}}]}, "'kl'.*kl_range"),
+    ({"policy": "sb3_adaptnet.NoSuchPolicy"}, "NoSuchPolicy"),
+    ({"learning_rate": "5e-6"}, "learning_rate.*5e-06|learning_rate.*text"),
+])  # fmt: skip
+def test_unknown_keys_are_refused(tmp_path, changes, message):
+    with pytest.raises(ValueError, match=message):
+        experiment(TOY, conf_file=conf(tmp_path, **changes))
+
+
+def test_bad_files_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="no entry for 'Other-v0'.*Toy-v0"):
+        experiment("Other-v0", conf_file=conf(tmp_path))
+    broken = tmp_path / "broken.yml"
+    broken.write_text("a: [1")
+    with pytest.raises(ValueError, match="broken.yml is not a YAML file"):
+        experiment(TOY, conf_file=broken)
+    with pytest.raises(ValueError, match="nosuch"):
+        experiment(TOY, conf_file="nosuch")
+
+
+def test_callbacks_are_made_anew_each_time():
+    first, again = callbacks(env_id("PushWalk")), callbacks(env_id("PushWalk"))
+    assert [type(callback).__name__ for callback in first] == ["DiscriminatorRewardCallback", "AttributeRamp"]
+    assert all(a is not b for a, b in zip(first, again, strict=True))
+    assert first[0].weights == {"imitation": 0.25, "goal": 0.75}
+
+
+@pytest.mark.parametrize("words, message", [
+    (["train"], "name an environment"),
+    (["train", "AdaptNet/Humanoid-Stop-v0"], "Did you mean: `Humanoid-Stoop`"),
+    (["train", "CartPole-v1"], "CartPole-v1"),
+    (["train", "nosuch_module:Toy-v0"], "No module named 'nosuch_module'"),
+    (["train", "AdaptNet/Humanoid-Walk-v0", "--conf-file", "no/such.yml"], "no/such.yml"),
+    (["train", "--resume", "no_such_run"], "no_such_run"),
+    (["export", "no_such_run", "-o", "x"], "no_such_run"),
+    (["export", "no_such_run", "-o", "no/such/folder/x"], "folder"),
+])  # fmt: skip
+def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert message in said and said.count("\n") == 1 and "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    command = [sys.executable, "-m", "sb3_adaptnet.commands.main", "envs", "list"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    assert process.stderr.read() == "" and process.wait(timeout=60) == 141
+
+
+def test_bench_train_accounts_for_the_whole_iteration(tmp_path, capsys):
+    words = [
+        "bench",
+        "train",
+        "--id",
+        TOY,
+        "--worlds",
+        "8",
+        "--iterations",
+        "1",
+        "--conf-file",
+        conf(tmp_path),
+        "--json",
+    ]
+    assert main(words) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert figures["speedup_over_plain"] == pytest.approx(
+        figures["samples_per_second"] / figures["plain_samples_per_second"]
+    )
+    assert all(figures["seconds"][part] > 0 for part in ("act", "simulate", "discriminators", "update", "other"))
+    assert sum(figures["seconds"].values()) == pytest.approx(64 / figures["samples_per_second"])
+
+
+# ---- rl_zoo3 --------------------------------------------------------------------------------------------------------
+
+
+def test_rl_zoo3_trains_natively_and_enjoys(tmp_path):
+    common = ["--algo", "ppo", "--env", "Toy-v0", "--gym-packages", "toy_env", "sb3_adaptnet.zoo", "-f", str(tmp_path)]
+    train = run_command(["rl_zoo3.train", *common, "--conf-file", conf(tmp_path), "--eval-freq", "-1", "--seed", "0"])
+    said = train.communicate(timeout=300)[0]
+    assert train.returncode == 0, said
+    assert "imitation_reward" in said and "Using 8 environments" in said
+    assert (tmp_path / "ppo" / "Toy-v0_1" / "Toy-v0.zip").is_file()
+    enjoy = run_command(["rl_zoo3.enjoy", *common, "--no-render", "-n", "50", "--num-threads", "1"])
+    said = enjoy.communicate(timeout=300)[0]
+    assert enjoy.returncode == 0 and "Episode Reward" in said, said

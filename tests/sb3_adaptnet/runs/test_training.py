@@ -1,0 +1,210 @@
+"""Training runs: folders, checkpoints, resuming, kills, export."""
+
+import csv
+import json
+import signal
+import time
+from pathlib import Path
+
+import pytest
+import torch
+from stable_baselines3.common.callbacks import BaseCallback
+from toy_zoo import TOY, conf, run_command, settings
+
+from adapt_envs import env_id
+from adapt_envs.motion.library import load_clip
+from sb3_adaptnet import load_policy
+from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.commands.export import export
+from sb3_adaptnet.runs.random_state import random_states, restore_random_states
+from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
+from sb3_adaptnet.runs.saver import restore, snapshot
+from sb3_adaptnet.runs.training import build_learner, resume, start
+
+
+def equal(a, b):
+    if isinstance(a, torch.Tensor):
+        return torch.equal(a, b)
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(equal(a[key], b[key]) for key in a)
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(map(equal, a, b))
+    return a == b
+
+
+def test_a_checkpoint_restores_everything_exactly(tmp_path):
+    folder = start(settings(tmp_path), tmp_path / "run", quiet=True)
+    state = folder.load()
+    learner = build_learner(folder.settings, samples_done=640)
+    learner.discriminators.init_callback(learner.model)
+    restore(learner.model, learner.discriminators, state)
+    again = snapshot(learner.model, learner.discriminators, state["seconds"])
+    assert again.keys() == state.keys()
+    for key in state:
+        assert equal(again[key], state[key]), key
+    assert state["samples"] == 640 and state["optimizer"]["state"]  # something was there to restore
+
+
+def test_a_run_keeps_the_settings_it_began_with(tmp_path):
+    folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
+    conf(tmp_path, n_steps=4, batch_size=16)  # the file changes afterwards
+    assert (
+        folder.experiment.ppo["n_steps"] == 8
+        and experiment(TOY, conf_file=conf(tmp_path, n_steps=4)).ppo["n_steps"] == 4
+    )
+    Path(folder.settings.conf_file).unlink()
+    resume(folder.path, 128, quiet=True)
+    assert folder.load()["samples"] == 128
+    card = json.loads(export(folder.path, tmp_path / "mine").with_suffix(".json").read_text())
+    assert card["training"]["ppo"]["n_steps"] == 8
+    folder.config.unlink()
+    with pytest.raises(ValueError, match=r"no such configuration file: .*config\.yml"):
+        resume(folder.path, 192, quiet=True)
+
+
+def test_a_run_without_its_base_leaves_nothing(tmp_path, capsys):
+    finetuning = conf(tmp_path, policy="sb3_adaptnet.FinetunePolicy", policy_kwargs={"critic_lr": 6.0e-4})
+    words = ["train", TOY, "--conf-file", finetuning, "--base", "nosuch.safetensors"]
+    with pytest.warns(UserWarning, match="no base file"):
+        assert main([*words, "--run-dir", str(tmp_path / "run")]) == 2
+    assert "no base file 'nosuch.safetensors'" in capsys.readouterr().err and not (tmp_path / "run").exists()
+
+
+def test_a_run_can_be_resumed_from_its_first_moment(tmp_path):
+    class Killed(Exception):
+        pass
+
+    class Killer(BaseCallback):
+        def _on_step(self):
+            raise Killed
+
+    with pytest.raises(Killed):
+        start(settings(tmp_path), tmp_path / "run", callbacks=[Killer()], quiet=True)
+    folder = RunFolder.open(tmp_path / "run")
+    assert folder.load()["samples"] == 0
+    assert resume(folder.path, 64, threads=1, device="cpu", quiet=True).load()["samples"] == 64
+
+
+def test_a_run_keeps_its_clip_when_it_moves(tmp_path):
+    clip = load_clip("Stoop")
+    clip.save(tmp_path / "mine.npz")
+    asked = RunSettings(env_id("Style"), samples=64, motion=str(tmp_path / "mine.npz"))
+    RunFolder.new(asked, tmp_path / "here")
+    (tmp_path / "mine.npz").unlink()
+    moved = (tmp_path / "here").rename(tmp_path / "there")
+    folder = RunFolder.open(moved)
+    assert folder.settings.motion == str(moved / "motion.npz")
+    assert load_clip(folder.settings.motion).digest == clip.digest
+    folder.write_settings(folder.settings)
+    assert json.loads((moved / "run.json").read_text())["motion"] == "motion.npz"
+
+
+def test_a_stopped_run_goes_on(tmp_path):
+    folder = start(settings(tmp_path, samples=320), tmp_path / "run", quiet=True)
+    rows = list(csv.DictReader(folder.progress.open()))
+    assert [int(row["samples"]) for row in rows] == [64 * n for n in range(1, 6)]
+    assert main(["train", "--resume", str(folder.path), "--samples", "640", "--quiet"]) == 0
+    rows = list(csv.DictReader(folder.progress.open()))
+    assert [int(row["samples"]) for row in rows] == [64 * n for n in range(1, 11)]
+    seconds = [float(row["seconds"]) for row in rows]
+    assert seconds == sorted(seconds) and RunFolder.open(folder.path).settings.samples == 640
+    assert folder.curve.read_bytes().startswith(b"\x89PNG")
+    assert list(folder.path.glob("events.out.tfevents*"))
+
+
+def train_command(tmp_path, *more):
+    words = [
+        "sb3_adaptnet.commands.main",
+        "train",
+        TOY,
+        "--conf-file",
+        conf(tmp_path),
+        "--run-dir",
+        str(tmp_path / "run"),
+    ]
+    return run_command([*words, "--samples", "1e9", "--minutes", "0.002", "--threads", "1", *more])
+
+
+def wait_for(condition, process, seconds=120):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert process.poll() is None and time.monotonic() < end, (
+            process.stdout.read() if process.poll() else "too slow"
+        )
+        time.sleep(0.02)
+
+
+def test_goes_on_after_kill_9_and_saves_at_ctrl_c(tmp_path):
+    folder = RunFolder(tmp_path / "run", settings(tmp_path))
+    process = train_command(tmp_path)
+    wait_for(lambda: folder.checkpoint.exists() and folder.load()["samples"] > 0, process)
+    time.sleep(0.3)
+    process.kill()
+    process.wait()
+    saved = folder.load()["samples"]
+    reached = csv_samples(folder)  # rows written after the last checkpoint are past `saved` already
+    assert saved > 0 and saved % 64 == 0
+    process = run_command(["sb3_adaptnet.commands.main", "train", "--resume", str(folder.path), "--minutes", "99"])
+    wait_for(lambda: csv_samples(folder) > max(saved, reached), process)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=60)[0]
+    assert process.returncode == 130 and "--resume" in said
+    assert folder.load()["samples"] > saved
+    assert not list(folder.path.glob("*.tmp"))
+
+
+def csv_samples(folder):
+    rows = list(csv.DictReader(folder.progress.open())) if folder.progress.exists() else []
+    return max((int(float(row["samples"])) for row in rows if row["samples"]), default=0)
+
+
+def test_random_states_restore(tmp_path):
+    torch.save(random_states(), tmp_path / "states")
+    first = torch.rand(3)
+    restore_random_states(torch.load(tmp_path / "states", weights_only=True))
+    assert torch.equal(first, torch.rand(3))
+
+
+def test_export_writes_a_base_that_acts(tmp_path):
+    folder = start(settings(tmp_path), tmp_path / "run", quiet=True)
+    file = export(folder.path, tmp_path / "mine.safetensors")
+    card = json.loads(file.with_suffix(".json").read_text())
+    assert card["training"]["samples"] == 640 and card["environment"] == TOY and "goal_reward" in card["metrics"]
+    env = AdaptVecEnv(TOY, num_envs=2)
+    trained = build_learner(folder.settings).model.policy
+    trained.load_state_dict(folder.load()["policy"])
+    trained.set_training_mode(False)
+    observations = env.reset()
+    ours, _ = load_policy(file, env).predict(observations, deterministic=True)
+    theirs, _ = trained.predict(observations, deterministic=True)
+    assert (ours == theirs).all()
+
+
+def test_a_base_that_went_on_is_a_base_again(tmp_path):
+    """What `continue.yml` does: the card names the base it came from, not where its file lay."""
+    first = export(
+        start(settings(tmp_path, samples=64), tmp_path / "first", quiet=True).path, tmp_path / "toy.safetensors"
+    )
+    finetuning = {"policy": "sb3_adaptnet.FinetunePolicy", "policy_kwargs": {"critic_lr": 6.0e-4}}
+    on = RunSettings(TOY, samples=64, conf_file=conf(tmp_path, **finetuning), base=str(first), threads=1)
+    card = json.loads(
+        export(start(on, tmp_path / "on", quiet=True).path, tmp_path / "on.st").with_suffix(".json").read_text()
+    )
+    assert card["kind"] == "base" and card["training"]["ppo"]["policy_kwargs"]["base"] == "toy"
+    assert str(tmp_path) not in json.dumps(card)
+
+
+def test_a_resumed_run_refuses_changes_and_damage(tmp_path, capsys):
+    folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
+    assert main(["train", "--resume", str(folder.path), "--seed", "3"]) == 2
+    assert main(["train", "Other-v0", "--resume", str(folder.path)]) == 2
+    assert main(["train", TOY, "--conf-file", conf(tmp_path), "--run-dir", str(folder.path)]) == 2
+    with pytest.raises(RuntimeError, match="nonsense"):
+        resume(folder.path, device="nonsense", quiet=True)
+    assert RunFolder.open(folder.path).settings.device == "cpu"  # what failed is not remembered
+    folder.checkpoint.write_bytes(folder.checkpoint.read_bytes()[:500])
+    assert main(["train", "--resume", str(folder.path)]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert ["--seed" in said[0], "Other-v0" in said[1], "holds a run" in said[2], "cut short" in said[3]] == [True] * 4
