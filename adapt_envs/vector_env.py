@@ -107,7 +107,7 @@ class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.f
 
     def __init__(
         self, task: str | TaskSpec, num_envs: int = 1, max_episode_steps: int | None = EPISODE_STEPS,
-        num_threads: int = 0, stagger: bool = False, render_mode: str | None = None, **overrides: Any,
+        num_threads: int | None = None, stagger: bool = False, render_mode: str | None = None, **overrides: Any,
     ) -> None:  # fmt: skip
         """Make `num_envs` worlds of `task`.
 
@@ -115,7 +115,7 @@ class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.f
             task: name of a row of `suite.SUITE`, or a row of one's own.
             num_envs: number of worlds.
             max_episode_steps: time limit in control steps (1/30 s), or None.
-            num_threads: threads of the physics; 0 for one per core.
+            num_threads: threads of the physics; None for one per core.
             stagger: shorten the episodes that a `reset` of all worlds begins, each by another number of steps, so that
                 time limits do not come all at once in training.
             render_mode: "rgb_array" (a picture per world) or None.

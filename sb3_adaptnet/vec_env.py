@@ -17,14 +17,14 @@ NO_INFO: dict[str, Any] = {}  # shared by every world that goes on; nobody write
 
 
 class AdaptVecEnv(VecEnv):
-    """A gymnasium ``VectorEnv`` with SAME_STEP autoreset as a native Stable-Baselines3 ``VecEnv``.
+    """A gymnasium `VectorEnv` with SAME_STEP autoreset as a native Stable-Baselines3 `VecEnv`.
 
     No Python runs per world in a step: only worlds that finished get an info dict of their own, with "end",
-    "terminal_observation", "TimeLimit.truncated" and "episode" (as ``VecMonitor`` writes it: r, l, t).
+    "terminal_observation", "TimeLimit.truncated" and "episode" (as `VecMonitor` writes it: r, l, t).
     Observations are copied, since PPO holds them across the next step.
 
     Attributes:
-        worlds: The gymnasium vector environment.
+        vector_env: the gymnasium vector environment.
     """
 
     def __init__(
@@ -39,46 +39,47 @@ class AdaptVecEnv(VecEnv):
         """Make the worlds.
 
         Args:
-            env: Id, spec, or a finished vector environment (to which ``num_envs`` and what follows does not apply).
-            num_envs: Number of worlds N.
-            num_threads: Physics threads; None takes all cores.
-            seed: Seed of the first reset.
-            stagger: For training: shorten the episodes that a reset begins, so that time limits come apart.
-            **env_kwargs: Further arguments of the environment.
+            env: id, spec, or a finished vector environment (to which `num_envs` and what follows does not apply).
+            num_envs: number of worlds N.
+            num_threads: physics threads; None takes all cores.
+            seed: seed of the first reset.
+            stagger: for training: shorten the episodes that a reset begins, so that time limits come apart.
+            **env_kwargs: further arguments of the environment.
 
         Raises:
-            ValueError: If the environment has no such argument, or is not made for batches as this suite's are.
-            gymnasium.error.Error: If there is no such id, or it has no vector entry point.
+            ValueError: if the environment has no such argument, or is not made for batches as this suite's are.
+            gymnasium.error.Error: if there is no such id, or it has no vector entry point.
         """
         if isinstance(env, VectorEnv):
-            self.worlds = env
+            self.vector_env = env
         else:
             env_id, spec_kwargs = (env.id, env.kwargs) if isinstance(env, EnvSpec) else (env, {})
-            kwargs = {"num_threads": num_threads or 0, "stagger": stagger, **spec_kwargs, **env_kwargs}
+            kwargs = {"num_threads": num_threads, "stagger": stagger, **spec_kwargs, **env_kwargs}
             try:
-                self.worlds = gym.make_vec(env_id, num_envs, vectorization_mode="vector_entry_point", **kwargs)
+                self.vector_env = gym.make_vec(env_id, num_envs, vectorization_mode="vector_entry_point", **kwargs)
             except TypeError as error:
                 raise ValueError(f"{env_id} cannot be made with {', '.join(kwargs)}: {error}") from error
         self._started = time.time()
-        super().__init__(self.worlds.num_envs, self.worlds.single_observation_space, self.worlds.single_action_space)
+        made = self.vector_env
+        super().__init__(made.num_envs, made.single_observation_space, made.single_action_space)
         self._seeds[0] = seed
-        self._actions = np.zeros(self.worlds.action_space.shape or (), np.float32)
+        self._actions = np.zeros(self.vector_env.action_space.shape or (), np.float32)
         self._returns = np.zeros(self.num_envs)
         self._lengths = np.zeros(self.num_envs, np.int64)
 
     @property
     def pose_windows(self) -> np.ndarray:
         """Windows (N, 5, 15, 7) of the transition just made, before autoreset."""
-        return self.worlds.unwrapped.pose_windows  # type: ignore[attr-defined]
+        return self.vector_env.unwrapped.pose_windows  # type: ignore[attr-defined]
 
     def sample_reference_windows(self, count: int, rng: np.random.Generator) -> np.ndarray:
         """Draw windows (count, 5, 15, 7) of the clips."""
-        return self.worlds.unwrapped.sample_reference_windows(count, rng)  # type: ignore[attr-defined]
+        return self.vector_env.unwrapped.sample_reference_windows(count, rng)  # type: ignore[attr-defined]
 
     def reset(self) -> VecEnvObs:
-        """Reset all worlds, with the seed given by ``seed`` if any; returns observations (N, ...)."""
+        """Reset all worlds, with the seed given by `seed` if any; returns observations (N, ...)."""
         options = self._options[0] or None
-        observations, _ = self.worlds.reset(seed=self._seeds[0], options=options)
+        observations, _ = self.vector_env.reset(seed=self._seeds[0], options=options)
         self._reset_seeds()
         self._reset_options()
         self._returns[:] = 0.0
@@ -86,12 +87,12 @@ class AdaptVecEnv(VecEnv):
         return copy_observations(observations)
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Keep the actions (N, joints) for ``step_wait``."""
+        """Keep the actions (N, joints) for `step_wait`."""
         self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
         """Step all worlds; finished ones are reset already."""
-        observations, rewards, terminated, truncated, infos = self.worlds.step(self._actions)
+        observations, rewards, terminated, truncated, infos = self.vector_env.step(self._actions)
         dones = np.logical_or(terminated, truncated)
         self._returns += rewards
         self._lengths += 1
@@ -114,11 +115,11 @@ class AdaptVecEnv(VecEnv):
 
     def close(self) -> None:
         """Free the worlds."""
-        self.worlds.close()
+        self.vector_env.close()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Attribute of the vector environment, once per index; arrays with N rows give every world its row."""
-        value = getattr(self.worlds, attr_name)
+        value = getattr(self.vector_env, attr_name)
         per_world = isinstance(value, np.ndarray) and value.ndim > 0 and len(value) == self.num_envs
         return [value[i] if per_world else value for i in self._get_indices(indices)]
 
@@ -126,29 +127,29 @@ class AdaptVecEnv(VecEnv):
         """Set an attribute that the worlds have, for all of them; single worlds have none of their own.
 
         Raises:
-            AttributeError: If they have none of this name.
-            ValueError: If only some worlds are named.
+            AttributeError: if they have none of this name.
+            ValueError: if only some worlds are named.
         """
-        if not hasattr(self.worlds.unwrapped, attr_name):
-            raise AttributeError(f"{type(self.worlds.unwrapped).__name__} has no attribute {attr_name!r} to set")
+        if not hasattr(self.vector_env.unwrapped, attr_name):
+            raise AttributeError(f"{type(self.vector_env.unwrapped).__name__} has no attribute {attr_name!r} to set")
         if indices is not None and len(list(self._get_indices(indices))) != self.num_envs:
             raise ValueError(f"{attr_name!r} can only be set for all {self.num_envs} worlds at once")
-        setattr(self.worlds.unwrapped, attr_name, value)
+        setattr(self.vector_env.unwrapped, attr_name, value)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any
     ) -> list[Any]:
         """Call a method of the vector environment once; the result is repeated per index."""
-        result = getattr(self.worlds, method_name)(*method_args, **method_kwargs)
+        result = getattr(self.vector_env, method_name)(*method_args, **method_kwargs)
         return [result for _ in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[gym.Wrapper], indices: VecEnvIndices = None) -> list[bool]:
-        """True for ``Monitor``: episodes are reported as it does; no world has another wrapper."""
+        """True for `Monitor`: episodes are reported as it does; no world has another wrapper."""
         return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]
 
     def get_images(self) -> Sequence[np.ndarray | None]:
         """Pictures of the worlds, as far as the vector environment renders them."""
-        frames = self.worlds.render()
+        frames = self.vector_env.render()
         return [] if frames is None else [np.asarray(frame) for frame in frames]
 
 

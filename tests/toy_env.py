@@ -47,7 +47,7 @@ class ToyVectorEnv(VectorEnv):
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}
 
-    def __init__(self, num_envs=8, heightmap=False, drift=0.1, joints=JOINTS, num_threads=0, stagger=False):
+    def __init__(self, num_envs=8, heightmap=False, drift=0.1, joints=JOINTS, num_threads=None, stagger=False):
         self.num_envs, self.heightmap, self.drift = num_envs, heightmap, drift
         flat = gym.spaces.Box(-np.inf, np.inf, (FRAMES * LINKS * 13 + 4,), np.float32)
         heights = gym.spaces.Box(-np.inf, np.inf, (1, 35, 35), np.float32)

@@ -14,7 +14,7 @@ from adapt_envs.drawing.motion_sheet import video_frames, write_sheet, write_vid
 from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
 from adapt_envs.motion.library import CLIPS, load_clip
-from adapt_envs.motion.quality import BARS, Quality, check
+from adapt_envs.motion.quality import THRESHOLDS, Quality, check
 from adapt_envs.motion.synthesis.styles import GAITS
 
 VIDEO_SUFFIXES = (".mp4", ".gif")
@@ -41,9 +41,9 @@ def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser = actions.add_parser("check", help="measure sliding, sinking, limits, balance and forces")
     parser.add_argument("motions", nargs="*", metavar="NAME|FILE", help="motions to measure; default: all that ship")
     parser.add_argument("--json", action="store_true", help="print a JSON list of objects")
-    kinds = ", ".join(BARS)
-    words = f"bars to hold the motions to: {kinds}; default: the shipped motion's own, else {_DEFAULT_KIND}"
-    parser.add_argument("--kind", choices=BARS, metavar="KIND", help=words)
+    kinds = ", ".join(THRESHOLDS)
+    words = f"thresholds to hold the motions to: {kinds}; default: the shipped motion's own, else {_DEFAULT_KIND}"
+    parser.add_argument("--kind", choices=THRESHOLDS, metavar="KIND", help=words)
     parser.set_defaults(run=run_check)
 
 
@@ -75,7 +75,7 @@ def run_list(options: argparse.Namespace) -> int:
 
 
 def run_check(options: argparse.Namespace) -> int:
-    """Measure motions; 1 if one of them misses the bars of its kind."""
+    """Measure motions; 1 if one of them misses the thresholds of its kind."""
     clips = [_opened(name) for name in options.motions or CLIPS]
     results = [check(clip, options.kind or kind_of(clip)) for clip in _bar(clips, "measuring")]
     if options.json:
@@ -114,7 +114,7 @@ def run_import(options: argparse.Namespace) -> int:
 
 
 def kind_of(clip: MotionClip) -> str:
-    """The kind whose quality bars hold for a clip: the table's for a motion that ships, else `quiet`."""
+    """The kind whose quality thresholds hold for a clip: the table's for a motion that ships, else `quiet`."""
     gait = GAITS.get(clip.name.lower())
     return gait.kind if gait else _DEFAULT_KIND
 

@@ -31,10 +31,10 @@ _RECUT = 4.0
 """A new piece of terrain is drawn when the character is this far [m] from the middle of the last one."""
 _IDENTITY = np.eye(3).ravel()
 
-Points = NDArray[np.floating]
+Array = NDArray[np.floating]
 
 
-def draw_goal(scene: mujoco.MjvScene, ground: Ground, root_xy: Points, target: Points, speed: float) -> None:
+def draw_goal(scene: mujoco.MjvScene, ground: Ground, root_xy: Array, target: Array, speed: float) -> None:
     """Add the goal to a scene: a ring of radius 0.5 m at the target and an arrow towards it, as long as the speed.
 
     Args:
@@ -56,7 +56,7 @@ def draw_goal(scene: mujoco.MjvScene, ground: Ground, root_xy: Points, target: P
         _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, 0.035, start, end, _GOAL_COLOUR)
 
 
-def draw_push(scene: mujoco.MjvScene, torso: Points, force: Points) -> None:
+def draw_push(scene: mujoco.MjvScene, torso: Array, force: Array) -> None:
     """Add the arrow of a push to a scene; it ends at the torso.
 
     Args:
@@ -71,13 +71,13 @@ def draw_push(scene: mujoco.MjvScene, torso: Points, force: Points) -> None:
         _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, 0.05, start, end, _PUSH_COLOUR)
 
 
-def _on(ground: Ground, xy: Points, above: float) -> Points:
+def _on(ground: Ground, xy: Array, above: float) -> Array:
     """Points (n, 3) that lie `above` [m] the ground at (n, 2)."""
     return np.column_stack([xy, ground.floor_at(xy) + above])
 
 
 def _connect(
-    scene: mujoco.MjvScene, kind: mujoco.mjtGeom, width: float, start: Points, end: Points, colour: tuple[float, ...]
+    scene: mujoco.MjvScene, kind: mujoco.mjtGeom, width: float, start: Array, end: Array, colour: tuple[float, ...]
 ) -> None:
     if scene.ngeom >= scene.maxgeom:
         return
@@ -121,7 +121,7 @@ class SceneRenderer:
         lookat = _look_at(worlds, world)
         return scene.picture_of(data, camera, lookat, lambda drawn: _decorate(drawn, data, worlds, world))
 
-    def _scene_around(self, xy: Points) -> Scene:
+    def _scene_around(self, xy: Array) -> Scene:
         """The scene; of uneven ground only the piece around `xy` (2,) [m] is in it."""
         uneven = self._worlds.ground.surface is not None
         if self._scene is None or (uneven and np.abs(xy - self._middle).max() > _RECUT):

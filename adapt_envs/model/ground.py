@@ -242,7 +242,7 @@ class Ground:
         xy, heading = np.empty((n, 2)), np.empty(n)
         left = np.arange(n)
         for _ in range(_TRIES):
-            xy[left], heading[left] = self.patches.drawn(len(left), rng), rng.uniform(0, 2 * np.pi, len(left))
+            xy[left], heading[left] = self.patches.sample(len(left), rng), rng.uniform(0, 2 * np.pi, len(left))
             course = np.stack([np.cos(heading[left]), np.sin(heading[left])], axis=-1)
             ahead = xy[left, None] + _RUNWAY[:, None] * course[:, None]
             left = left[~self.clear(ahead, SPAWN_MARGIN).all(axis=1)]

@@ -49,7 +49,7 @@ class Patches:
         reach = PATCH / 2 - INSET
         return np.clip(xy, middle - reach, middle + reach)
 
-    def drawn(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """`n` points (n, 2), uniform over all patches, 3 m inside them."""
         patch = rng.integers(self.per_side, size=(n, 2))
         return self.centres_1d[patch] + rng.uniform(-1, 1, (n, 2)) * (PATCH / 2 - INSET)

@@ -21,7 +21,7 @@ _UNLOADED = 0.1
 
 
 @dataclass(frozen=True)
-class Bars:
+class Thresholds:
     """What a kind of motion must keep to; None where it does not apply.
 
     Attributes:
@@ -40,14 +40,14 @@ class Bars:
     flight: float | None = None
 
 
-BARS = {
-    "walk": Bars(zmp=0.95),
-    "run": Bars(slip_percentile=75, zmp=None, force=None, flight=0.2),
-    "quiet": Bars(),
-    "forceful": Bars(force=(0.4, 2.2)),
-    "hopping": Bars(slip_percentile=75, zmp=None, force=None, flight=0.2),
+THRESHOLDS = {
+    "walk": Thresholds(zmp=0.95),
+    "run": Thresholds(slip_percentile=75, zmp=None, force=None, flight=0.2),
+    "quiet": Thresholds(),
+    "forceful": Thresholds(force=(0.4, 2.2)),
+    "hopping": Thresholds(slip_percentile=75, zmp=None, force=None, flight=0.2),
 }
-"""Bars by kind of motion."""
+"""Thresholds by kind of motion."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Quality:
         zmp_in_support: share of grounded frames with the zero-moment point within 5 cm of the support polygon.
         force_min, force_max: 2nd and 98th percentile of the vertical ground force over weight.
         flight_g_error: |mean vertical acceleration in flights + g| / g; None without flights.
-        ok: whether the bars of its kind hold.
+        ok: whether the thresholds of its kind hold.
     """
 
     name: str
@@ -90,14 +90,14 @@ def _character() -> mujoco.MjModel:
 
 
 def check(clip: MotionClip, kind: str = "walk") -> Quality:
-    """Measure a clip and compare it with the bars of its kind.
+    """Measure a clip and compare it with the thresholds of its kind.
 
     Raises:
-        ValueError: if there are no bars for `kind`.
+        ValueError: if there are no thresholds for `kind`.
     """
-    if kind not in BARS:
-        raise ValueError(f"no quality bars for kind {kind!r}; the kinds are {', '.join(BARS)}")
-    bars, model = BARS[kind], _character()
+    if kind not in THRESHOLDS:
+        raise ValueError(f"no quality thresholds for kind {kind!r}; the kinds are {', '.join(THRESHOLDS)}")
+    thresholds, model = THRESHOLDS[kind], _character()
     frames = np.arange(-2, len(clip.qpos) + 1) if clip.cyclic else np.arange(len(clip.qpos))
     qpos = clip.at(frames)
     corners = foot_corners(model, qpos)
@@ -110,7 +110,7 @@ def check(clip: MotionClip, kind: str = "walk") -> Quality:
     low, high = np.percentile(motion.force, [2, 98])
     values = {
         "slip_median_cm_s": float(np.median(slip)) if len(slip) else None,
-        "slip_p90_cm_s": float(np.percentile(slip, bars.slip_percentile)) if len(slip) else None,
+        "slip_p90_cm_s": float(np.percentile(slip, thresholds.slip_percentile)) if len(slip) else None,
         "penetration_cm": float(max(0.0, -100 * corners[..., 2].min())),
         "limit_violation_deg": limit_violation(model, clip.qpos[:, 7:]),
         "zmp_in_support": float(inside.mean()) if len(inside) else None,
@@ -119,23 +119,23 @@ def check(clip: MotionClip, kind: str = "walk") -> Quality:
         "flight_g_error": abs(float(flights.mean()) + GRAVITY) / GRAVITY if len(flights) else None,
     }
     seconds = clip.period / FPS if clip.cyclic else clip.seconds
-    return Quality(clip.name, seconds, ok=_holds(bars, values), **values)  # type: ignore[arg-type]
+    return Quality(clip.name, seconds, ok=_holds(thresholds, values), **values)  # type: ignore[arg-type]
 
 
-def _holds(bars: Bars, values: dict[str, float | None]) -> bool:
+def _holds(thresholds: Thresholds, values: dict[str, float | None]) -> bool:
     def at_most(name: str, bar: float | None) -> bool:
         value = values[name]
         return bar is None or (value is not None and value <= bar)
 
     zmp, low, high = values["zmp_in_support"], values["force_min"], values["force_max"]
     return bool(
-        at_most("slip_median_cm_s", bars.slip_median)
-        and at_most("slip_p90_cm_s", bars.slip_high)
-        and at_most("penetration_cm", bars.penetration)
+        at_most("slip_median_cm_s", thresholds.slip_median)
+        and at_most("slip_p90_cm_s", thresholds.slip_high)
+        and at_most("penetration_cm", thresholds.penetration)
         and at_most("limit_violation_deg", 0.01)
-        and at_most("flight_g_error", bars.flight)
-        and (bars.zmp is None or (zmp is not None and zmp >= bars.zmp))
-        and (bars.force is None or (low >= bars.force[0] and high <= bars.force[1]))  # type: ignore[operator]
+        and at_most("flight_g_error", thresholds.flight)
+        and (thresholds.zmp is None or (zmp is not None and zmp >= thresholds.zmp))
+        and (thresholds.force is None or (low >= thresholds.force[0] and high <= thresholds.force[1]))  # type: ignore[operator]
     )
 
 

@@ -21,10 +21,16 @@ class PhysicsBatch:
         num_worlds: N.
     """
 
-    def __init__(self, model: mujoco.MjModel, num_worlds: int, num_threads: int = 0) -> None:
-        """Make `num_worlds` worlds on `num_threads` threads (0: one per core)."""
+    def __init__(self, model: mujoco.MjModel, num_worlds: int, num_threads: int | None = None) -> None:
+        """Make `num_worlds` worlds on `num_threads` threads; None for one per core.
+
+        Raises:
+            ValueError: if there is not at least one thread.
+        """
+        if num_threads is not None and num_threads < 1:
+            raise ValueError(f"num_threads must be at least 1, or None for one per core, not {num_threads!r}")
         self.model, self.num_worlds = model, num_worlds
-        self._batch = Batch(model, nsim=num_worlds, nthread=num_threads)
+        self._batch = Batch(model, nsim=num_worlds, nthread=num_threads or 0)
         self._links = LinkReader(self._batch, model)
         self._ctrl, self._qpos, self._qvel = (self._batch.bind(field) for field in ("ctrl", "qpos", "qvel"))
         self._warnings = self._batch.warning[:, _DIVERGED, 1]

@@ -45,7 +45,7 @@ class Worlds:
         steps: (N,) control steps since the worlds' last reset.
     """
 
-    def __init__(self, spec: TaskSpec, num_worlds: int, num_threads: int = 0) -> None:
+    def __init__(self, spec: TaskSpec, num_worlds: int, num_threads: int | None = None) -> None:
         """Build the model, load the motion and make `num_worlds` worlds; `reset` comes first."""
         speeds = preferred_speeds(spec, load_clip(spec.motion))
         self.spec = replace(spec, speed_range=speeds)
@@ -107,7 +107,7 @@ class Worlds:
         self.steps[ids] = 0
         if self.pushes is not None:
             self.pushes.restart(ids, self.rng)
-        self.goals.draw(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
+        self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
         features = heading_frame_features(history, self.ground.floor_at(self.root_xy[ids]))
         fresh = self._observed(features, ids)
         if self._last is None:
@@ -156,7 +156,7 @@ class Worlds:
         timed_out = self.steps >= max_steps if max_steps is not None else np.zeros(len(left), bool)
         code = ends(self.physics.fallen(), left > self.goals.distance + LOST_DISTANCE, diverged, timed_out)
         renewed = np.flatnonzero(self.goals.expire() & (code == RUNNING))
-        self.goals.draw(renewed, after[renewed], self.root_heading[renewed], self.rng)
+        self.goals.sample(renewed, after[renewed], self.root_heading[renewed], self.rng)
         self._features = heading_frame_features(self.history, self.ground.floor_at(after))
         return self._remembered(self._observed(self._features, self._all), diverged), reward, code
 
@@ -185,4 +185,4 @@ class Worlds:
         None for both returns to goals drawn at random; errors as `Goals.hold`.
         """
         self.goals.hold(ids, heading, speed)
-        self.goals.draw(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
+        self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)

@@ -15,7 +15,7 @@ _NO_DIRECTION = 0.01
 Array = NDArray[np.floating]
 
 
-def draw_targets(root_xy: Array, heading: Array, speed: Array, seconds: Array) -> NDArray[np.float32]:
+def targets_ahead(root_xy: Array, heading: Array, speed: Array, seconds: Array) -> NDArray[np.float32]:
     """Targets (N, 2): from `root_xy` (N, 2) along the world angle `heading` (N,), as far as one gets in `seconds`."""
     direction = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     return (root_xy + (speed * seconds)[:, None] * direction).astype(np.float32)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from adapt_envs.features import rotations
 from adapt_envs.model.ground import Ground
 from adapt_envs.model.humanoid import CONTROL_DT
-from adapt_envs.tasks.goal import draw_targets
+from adapt_envs.tasks.goal import targets_ahead
 
 
 class Goals:
@@ -53,7 +53,7 @@ class Goals:
         self.steps_left -= 1
         return (self.steps_left <= 0) | ~np.isnan(self.held_heading)
 
-    def draw(
+    def sample(
         self,
         ids: NDArray[np.integer],
         root_xy: NDArray[np.floating],
@@ -80,7 +80,7 @@ class Goals:
         heading = np.where(held, self.held_heading[ids], heading)
         # A held goal keeps the longest distance a drawn one can have: far enough never to be reached.
         seconds = np.where(held, self.timer_range[1], rng.uniform(*self.timer_range, len(ids)))
-        target, distance = draw_targets(root_xy, heading, speed, seconds), speed * seconds
+        target, distance = targets_ahead(root_xy, heading, speed, seconds), speed * seconds
         if not self.ground.plain:
             target[held] = self.ground.inside_square(target[held])
             target[~held] = self.ground.kept_targets(target[~held], root_xy[~held], rng)

@@ -1,4 +1,4 @@
-"""``adaptnet adapt``: a motion of one's own to a style controller."""
+"""`adaptnet adapt`: a motion of one's own to a style controller."""
 
 import argparse
 from pathlib import Path
@@ -9,7 +9,7 @@ from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
 from adapt_envs.motion.library import load_clip
 from sb3_adaptnet.commands.export import export
-from sb3_adaptnet.commands.policy_options import Bar
+from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.commands.train import INTERRUPTED, positive
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import MOTION, RUNS, RunFolder, RunSettings
@@ -20,7 +20,7 @@ STYLE_ENV = "AdaptNet/Humanoid-Style-v0"
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``adapt``."""
+    """Add the subcommand `adapt`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "adapt", help="adapt a base to a motion of your own: a BVH, JSON or clip file, or a shipped motion's name"
     )
@@ -85,7 +85,7 @@ def opened(motion: str, joint_map: str | None = None, quiet: bool = False) -> Mo
         if joint_map is not None:
             raise ValueError(f"{joint_map}: a map is for BVH files; {motion} needs none")
         return load_clip(motion)
-    return import_motion(motion, joint_map, style=True, progress=iter if quiet else Bar("fitting"))
+    return import_motion(motion, joint_map, style=True, progress=iter if quiet else ProgressBar("fitting"))
 
 
 def report(folder: RunFolder, output: Path) -> int:

@@ -1,4 +1,4 @@
-"""``adaptnet bench train``: samples per second of whole training iterations, and where the time goes.
+"""`adaptnet bench train`: samples per second of whole training iterations, and where the time goes.
 
 An iteration is what PPO does per rollout: act and simulate 16 steps of 512 worlds, train the discriminators for one
 pass, score the windows, compute advantages, update actor and critic for 4 epochs. The plain version is the same
@@ -27,7 +27,7 @@ PLAIN = {"precision": "fp32", "optimizer_kwargs": {"fused": False}}
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``train``."""
+    """Add the subcommand `train`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "train", help="samples per second of whole training iterations, against plain float32"
     )
@@ -60,10 +60,10 @@ def measure(
     """Time whole iterations of the fast and the plain version in turn.
 
     Args:
-        env_id: Environment; its zoo entry says what is trained.
-        worlds: Number of worlds.
-        threads: Threads of physics and networks; None for all cores.
-        iterations: Measured iterations of each version, after one to warm up.
+        env_id: environment; its zoo entry says what is trained.
+        worlds: number of worlds.
+        threads: threads of physics and networks; None for all cores.
+        iterations: measured iterations of each version, after one to warm up.
         conf_file: YAML file; None for the shipped one.
 
     Returns:
@@ -148,7 +148,7 @@ class _Bench:
 
 
 def _take_torch_gru(network: torch.nn.Module) -> None:
-    """Let a network's state encoders run ``torch.nn.GRU`` instead of the project's own."""
+    """Let a network's state encoders run `torch.nn.GRU` instead of the project's own."""
     encoders: list[Any] = [module for module in network.modules() if isinstance(module, StateEncoder)]
     for encoder in encoders:
         encoder.forward = _torch_gru(encoder.gru)

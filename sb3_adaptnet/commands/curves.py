@@ -1,4 +1,4 @@
-"""``adaptnet curves``: the learning curves of several runs in one picture."""
+"""`adaptnet curves`: the learning curves of several runs in one picture."""
 
 import argparse
 from pathlib import Path
@@ -11,7 +11,7 @@ from sb3_adaptnet.runs.run_folder import RunFolder
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``curves``."""
+    """Add the subcommand `curves`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "curves", help="draw the learning curves of several runs into one picture"
     )
@@ -26,7 +26,7 @@ def run(options: argparse.Namespace) -> int:
     """Draw, and say where the picture is.
 
     Raises:
-        ValueError: If a run does not exist or has no rows, two have the same name, or the file cannot be written.
+        ValueError: if a run does not exist or has no rows, two have the same name, or the file cannot be written.
     """
     check_output(options.output, ".png")
     histories: dict[str, list[Row]] = {}
@@ -50,7 +50,7 @@ def rows_of(place: str) -> list[Row]:
     """Rows of a run's folder or of a CSV file.
 
     Raises:
-        ValueError: If there are none.
+        ValueError: if there are none.
     """
     file = Path(place) if Path(place).is_file() else RunFolder.open(place).progress
     rows = read_rows(file)

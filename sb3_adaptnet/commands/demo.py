@@ -1,4 +1,4 @@
-"""``adaptnet demo``: adapt the walk to a style in minutes, measure and draw what came of it, on one page."""
+"""`adaptnet demo`: adapt the walk to a style in minutes, measure and draw what came of it, on one page."""
 
 import argparse
 import json
@@ -16,7 +16,7 @@ from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import STYLES, load_clip
 from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
-from sb3_adaptnet.commands.policy_options import Bar, open_policy
+from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
 from sb3_adaptnet.commands.train import INTERRUPTED, positive
 from sb3_adaptnet.evaluation.figures import Evaluation, evaluate
 from sb3_adaptnet.evaluation.pictures import side_by_side, write_frames
@@ -34,7 +34,7 @@ PAGE = "index.html"
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``demo``."""
+    """Add the subcommand `demo`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "demo", help="adapt the walk to a style for a few minutes, and show what came of it on one page"
     )
@@ -139,7 +139,7 @@ def measure(policies: Mapping[str, str], environment: str, base: str, seconds: f
     found = {}
     for caption, policy in policies.items():
         opened = open_policy(policy, env, base=None if policy == base else base)
-        found[caption] = evaluate(opened, env, seconds, progress=Bar(caption))
+        found[caption] = evaluate(opened, env, seconds, progress=ProgressBar(caption))
     env.close()
     return found
 
@@ -151,7 +151,7 @@ def draw_sheets(found: Mapping[str, Evaluation], reference: MotionClip, output: 
         if _filmable(evaluation):
             clips[caption] = typical_clip(evaluation.straight, reference, caption)
     files = {}
-    for number, (caption, clip) in enumerate(Bar("sheets")(clips.items())):
+    for number, (caption, clip) in enumerate(ProgressBar("sheets")(clips.items())):
         files[caption] = f"sheet_{number}.png"
         write_sheet(clip, output / files[caption])
     return files
@@ -167,7 +167,7 @@ def film(found: Mapping[str, Evaluation], reference: MotionClip, output: Path, s
     if not clips:
         return None
     frames = side_by_side(clips)
-    write_frames(Bar("filming")(frames), output / "side_by_side.mp4")
+    write_frames(ProgressBar("filming")(frames), output / "side_by_side.mp4")
     return "side_by_side.mp4"
 
 
@@ -203,7 +203,7 @@ def show_motions(output: Path, style: str, seconds: float) -> Path:
         write_sheet(clip, output / file)
         blocks.append(picture(file, f"contact sheet of {name}"))
     clip = load_clip(style)
-    write_video(clip, output / "style.mp4", Bar("filming")(video_frames(clip, min_seconds=seconds)))
+    write_video(clip, output / "style.mp4", ProgressBar("filming")(video_frames(clip, min_seconds=seconds)))
     page = output / PAGE
     words = "No pretrained walk is there yet; these are the reference motions that policies learn from."
     write_page(page, f"The walk and {style}", [("", [paragraph(words), *blocks, video("style.mp4")])])

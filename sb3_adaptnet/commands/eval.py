@@ -1,4 +1,4 @@
-"""``adaptnet eval``: measure a policy's mean action, and draw it."""
+"""`adaptnet eval`: measure a policy's mean action, and draw it."""
 
 import argparse
 import json
@@ -8,7 +8,7 @@ from typing import Any
 
 from adapt_envs.commands.output import check_output
 from adapt_envs.drawing.motion_sheet import video_frames, write_sheet
-from sb3_adaptnet.commands.policy_options import Actor, Bar, add_options, open_actor
+from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.before_after import write_before_after
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
@@ -21,7 +21,7 @@ VIDEO_SECONDS = 12.0
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``eval``."""
+    """Add the subcommand `eval`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "eval", help="measure a policy: goal reward, falls, imitation error, sliding, jerk"
     )
@@ -53,19 +53,19 @@ def seconds_of(text: str) -> float:
 def run(options: argparse.Namespace) -> int:
     """Measure, print, draw."""
     check_outputs(options)
-    actor = open_actor(options)
+    loaded = open_from_options(options)
     for option, path in (("--strip", options.strip), ("--before-after", options.before_after)):
-        if path is not None and not isinstance(actor.policy, AdaptNetPolicy):
-            raise ValueError(f"{option} needs an adaptation; {actor.name!r} is none")
+        if path is not None and not isinstance(loaded.policy, AdaptNetPolicy):
+            raise ValueError(f"{option} needs an adaptation; {loaded.name!r} is none")
     if options.push_scale is not None:
-        actor.env.push_scale = options.push_scale
-    found = evaluate(actor.policy, actor.env, options.seconds, options.seed, Bar("walking"))
+        loaded.env.push_scale = options.push_scale
+    found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, ProgressBar("walking"))
     if options.json:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
     else:
-        print(text_table({actor.title: found.figures}))
-    drawn = draw(actor, found, options.sheet, options.video)
-    drawn += draw_alphas(actor, options.strip, options.before_after, options.seed)
+        print(text_table({loaded.title: found.figures}))
+    drawn = draw(loaded, found, options.sheet, options.video)
+    drawn += draw_alphas(loaded, options.strip, options.before_after, options.seed)
     for path in () if options.json else drawn:
         print(f"wrote {path}")
     return 0
@@ -83,12 +83,12 @@ def check_outputs(options: argparse.Namespace) -> None:
             check_output(path, *suffixes)
 
 
-def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None) -> list[Path]:
+def draw(loaded: LoadedPolicy, found: Evaluation, sheet: Path | None, video: Path | None) -> list[Path]:
     """Draw the contact sheet and the video that were asked for; return them.
 
     The video shows the longest stretch without a fall, up to 12 s.
     """
-    reference, name = actor.env.worlds.reference.clips[0], actor.title
+    reference, name = loaded.env.worlds.reference.clips[0], loaded.title
     if sheet is not None:
         write_sheet(typical_clip(found.straight, reference, name), sheet)
     if video is not None:
@@ -97,11 +97,11 @@ def draw(actor: Actor, found: Evaluation, sheet: Path | None, video: Path | None
     return [path for path in (sheet, video) if path is not None]
 
 
-def draw_alphas(actor: Actor, strip: Path | None, before_after: Path | None, seed: int) -> list[Path]:
+def draw_alphas(loaded: LoadedPolicy, strip: Path | None, before_after: Path | None, seed: int) -> list[Path]:
     """Draw an adaptation at five alphas, or with its base in the same world, where asked for; return the pictures."""
-    if isinstance(actor.policy, AdaptNetPolicy):
+    if isinstance(loaded.policy, AdaptNetPolicy):
         if strip is not None:
-            write_strip(alpha_clips(actor.policy, actor.env, seed=seed), strip)
+            write_strip(alpha_clips(loaded.policy, loaded.env, seed=seed), strip)
         if before_after is not None:
-            write_before_after(actor.policy, actor.env, before_after, seed)
+            write_before_after(loaded.policy, loaded.env, before_after, seed)
     return [path for path in (strip, before_after) if path is not None]

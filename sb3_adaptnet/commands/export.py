@@ -1,4 +1,4 @@
-"""``adaptnet export``: a run's checkpoint to a weight file with a card."""
+"""`adaptnet export`: a run's checkpoint to a weight file with a card."""
 
 import argparse
 from dataclasses import replace
@@ -24,7 +24,7 @@ METRIC_ROWS = 10  # last rollouts that the card's metrics are the means of
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``export``."""
+    """Add the subcommand `export`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "export", help="write a run's policy as a base or an adaptation (safetensors and a JSON card)"
     )
@@ -43,14 +43,14 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
     """Write the policy of a run's checkpoint: a base if it was trained whole, else an adaptation.
 
     Args:
-        run_dir: The run's folder.
-        output: Where to.
+        run_dir: the run's folder.
+        output: where to.
 
     Returns:
         The file; its card lies beside it, and a copy of the clip if that is none of those that ship.
 
     Raises:
-        ValueError: If there is no run, no checkpoint, or the output's folder does not exist.
+        ValueError: if there is no run, no checkpoint, or the output's folder does not exist.
     """
     check_output(output)
     folder = RunFolder.open(run_dir)
@@ -73,7 +73,7 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
 
 def motion_of(worlds: AdaptVecEnv) -> str | None:
     """Name or file of the reference clip, where the worlds are this project's."""
-    vector = worlds.worlds.unwrapped
+    vector = worlds.vector_env.unwrapped
     return vector.worlds.spec.motion if isinstance(vector, AdaptVectorEnv) else None
 
 

@@ -1,4 +1,4 @@
-"""The command ``adaptnet``: one parser, its subcommands in files of their own."""
+"""The command `adaptnet`: one parser, its subcommands in files of their own."""
 
 import argparse
 import os
@@ -15,7 +15,7 @@ BAD_INPUT, PIPE_CLOSED = 2, 141  # exit codes; the latter is what shells have fo
 
 
 def make_parser() -> argparse.ArgumentParser:
-    """Build the parser of all subcommands; each stores the function that runs it as ``run``."""
+    """Build the parser of all subcommands; each stores the function that runs it as `run`."""
     parser = argparse.ArgumentParser(prog="adaptnet", description="AdaptNet for Gymnasium and Stable-Baselines3.")
     parser.add_argument("--traceback", action="store_true", help="show where an error came from")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
     Args:
-        arguments: Words after ``adaptnet``; default ``sys.argv``.
+        arguments: words after `adaptnet`; default `sys.argv`.
 
     Returns:
         Exit code: the subcommand's, or 2 after one sentence about bad input.

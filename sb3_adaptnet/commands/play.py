@@ -1,4 +1,4 @@
-"""``adaptnet play``: steer a policy by hand, in a window or in the browser."""
+"""`adaptnet play`: steer a policy by hand, in a window or in the browser."""
 
 import argparse
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from adapt_envs.drawing.scene import RenderingError
 from adapt_envs.drawing.world_view import Window
 from adapt_envs.simulation.worlds import Worlds
-from sb3_adaptnet.commands.policy_options import add_options, open_actor
+from sb3_adaptnet.commands.policy_options import add_options, open_from_options
 from sb3_adaptnet.commands.train import positive
 from sb3_adaptnet.play.browser import Browser
 from sb3_adaptnet.play.controls import Controls, View, play
@@ -16,7 +16,7 @@ VIEWS = ("auto", "window", "browser")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``play``."""
+    """Add the subcommand `play`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "play", help="steer a policy by hand: alpha, blend, speed and heading, in a window or the browser"
     )
@@ -32,11 +32,11 @@ def add_parser(subparsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Play until the window is closed or Ctrl-C."""
-    actor = open_actor(options, num_worlds=1)
-    controls = Controls.of(actor.policy, actor.env, actor.style)
-    view = open_view(options, actor.env.worlds, controls)
+    loaded = open_from_options(options, num_worlds=1)
+    controls = Controls.of(loaded.policy, loaded.env, loaded.style)
+    view = open_view(options, loaded.env.worlds, controls)
     try:
-        play(actor.policy, actor.env, view, controls, options.steps, options.seed)
+        play(loaded.policy, loaded.env, view, controls, options.steps, options.seed)
     except KeyboardInterrupt:
         print()
     finally:

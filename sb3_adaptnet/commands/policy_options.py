@@ -22,7 +22,7 @@ Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
-class Actor:
+class LoadedPolicy:
     """A policy with the worlds it acts in.
 
     Attributes:
@@ -60,7 +60,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--threads", type=int, help="threads of networks and physics; default: all cores")
 
 
-def open_actor(options: argparse.Namespace, num_worlds: int = WORLDS) -> Actor:
+def open_from_options(options: argparse.Namespace, num_worlds: int = WORLDS) -> LoadedPolicy:
     """The policy and worlds that the options of `add_options` ask for.
 
     Raises:
@@ -73,10 +73,10 @@ def open_actor(options: argparse.Namespace, num_worlds: int = WORLDS) -> Actor:
         env_id, trained_on = trained_in(options.policy)
         motion = motion or trained_on
     overrides = {} if motion is None else {"motion": motion}
-    env = open_worlds(env_id, num_worlds, num_threads=options.threads or 0, **overrides)
+    env = open_worlds(env_id, num_worlds, num_threads=options.threads, **overrides)
     policy = open_policy(options.policy, env, options.base, options.alpha, options.styles)
     first = next(iter(options.styles), options.policy) if read_kind(options.policy) == BASE else options.policy
-    return Actor(policy, env, options.policy, Path(first).stem)
+    return LoadedPolicy(policy, env, options.policy, Path(first).stem)
 
 
 def trained_in(policy: str) -> tuple[str, str | None]:
@@ -142,7 +142,7 @@ def styles_of(text: str) -> dict[str, float | None]:
     return styles
 
 
-class Bar:
+class ProgressBar:
     """A progress bar around anything that can be walked through, on a terminal's error stream; it leaves nothing."""
 
     def __init__(self, title: str) -> None:

@@ -1,4 +1,4 @@
-"""``adaptnet train``: train or adapt on an environment, resumable."""
+"""`adaptnet train`: train or adapt on an environment, resumable."""
 
 import argparse
 from typing import Any
@@ -12,7 +12,7 @@ FROM_SCRATCH_ONLY = ("seed", "conf_file", "base", "motion", "n_envs", "run_dir")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand ``train``."""
+    """Add the subcommand `train`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "train", help="train a base, or adapt one, as the zoo's YAML entry of the environment says"
     )
@@ -59,7 +59,7 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
     """Settings of a new run.
 
     Raises:
-        ValueError: If the id is missing or has no entry.
+        ValueError: if the id is missing or has no entry.
     """
     if options.env_id is None:
         raise ValueError("name an environment, as in AdaptNet/Humanoid-Stoop-v0, or a run with --resume")
@@ -81,7 +81,7 @@ def refuse_changes(options: argparse.Namespace) -> None:
     """Refuse options that a resumed run cannot change.
 
     Raises:
-        ValueError: If one was given, or the id is another.
+        ValueError: if one was given, or the id is another.
     """
     given = [name for name in FROM_SCRATCH_ONLY if getattr(options, name) is not None]
     if given:

@@ -7,8 +7,9 @@ import numpy as np
 
 from adapt_envs import AdaptVectorEnv
 from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.progress import Progress
 from sb3_adaptnet.evaluation.imitation_error import imitation_error
-from sb3_adaptnet.evaluation.recording import Acting, Recording, Steps, record, record_straight
+from sb3_adaptnet.evaluation.recording import Acting, Recording, record, record_straight
 from sb3_adaptnet.evaluation.smoothness import jerk_ratio, slips
 
 DEFAULT_SECONDS = 1200.0
@@ -72,7 +73,7 @@ def reference_speed(env: AdaptVectorEnv) -> float:
 
 
 def evaluate(
-    policy: Acting, env: AdaptVectorEnv, seconds: float = DEFAULT_SECONDS, seed: int = 0, progress: Steps = iter
+    policy: Acting, env: AdaptVectorEnv, seconds: float = DEFAULT_SECONDS, seed: int = 0, progress: Progress = iter
 ) -> Evaluation:
     """Measure a policy's mean action.
 

@@ -1,7 +1,7 @@
 """Rollouts of a policy's mean action, kept as arrays."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from adapt_envs import AdaptVectorEnv, make_vector
 from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.progress import Progress
 from adapt_envs.tasks.goal import GOAL_RADIUS
 
 WORLDS = 20
 """Worlds of an evaluation."""
 STRAIGHT_SECONDS = 10.0
 """Simulated seconds of each world that walks straight ahead."""
-
-Steps = Callable[[Iterable[int]], Iterable[int]]
-"""Wraps the numbers of the steps, for a progress bar; `iter` shows none."""
 
 
 class Acting(Protocol):
@@ -106,7 +104,7 @@ def open_worlds(environment: str, num_worlds: int = WORLDS, **overrides: Any) ->
     return make_vector(environment, num_worlds, max_episode_steps=None, **overrides)
 
 
-def record(policy: Acting, env: AdaptVectorEnv, steps: int, seed: int, progress: Steps = iter) -> Recording:
+def record(policy: Acting, env: AdaptVectorEnv, steps: int, seed: int, progress: Progress = iter) -> Recording:
     """Run the policy's mean action from random start states towards random goals.
 
     Args:
@@ -123,7 +121,7 @@ def record(policy: Acting, env: AdaptVectorEnv, steps: int, seed: int, progress:
 
 def record_straight(
     policy: Acting, env: AdaptVectorEnv, speed: float, seed: int, seconds: float = STRAIGHT_SECONDS,
-    progress: Steps = iter,
+    progress: Progress = iter,
 ) -> Recording:  # fmt: skip
     """Run the policy's mean action with the goal held straight ahead of where each world starts out heading.
 
@@ -153,7 +151,7 @@ def _as_it_comes(ids: NDArray[np.integer]) -> None:
 
 
 def _run(
-    policy: Acting, env: AdaptVectorEnv, observations: Any, steps: range, progress: Steps,
+    policy: Acting, env: AdaptVectorEnv, observations: Any, steps: range, progress: Progress,
     on_restart: Callable[[NDArray[np.integer]], None],
 ) -> Recording:  # fmt: skip
     worlds, count = env.worlds, len(steps)

@@ -14,11 +14,11 @@ from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer, moments_of
 def unroll_gru(gru: nn.GRU, inputs: torch.Tensor) -> torch.Tensor:
     """Run a GRU over a short sequence from a zero state and return the last state, twice differentiable.
 
-    Written out because neither cuDNN's GRU nor ``StateEncoder``'s fast one has the second derivative that the gradient
+    Written out because neither cuDNN's GRU nor `StateEncoder`'s fast one has the second derivative that the gradient
     penalty needs. Gates in torch's order: reset, update, new.
 
     Args:
-        gru: The weights, one layer.
+        gru: the weights, one layer.
         inputs: (B, frames, input size), oldest frame first.
 
     Returns:
@@ -60,7 +60,7 @@ class Discriminator(nn.Module):
     """Multi-head network of the paper's fig. (c): pose windows -> GRU -> fully connected layers -> N heads.
 
     Attributes:
-        normalizer: Running statistics of the numbers of one frame, shared by the frames.
+        normalizer: running statistics of the numbers of one frame, shared by the frames.
     """
 
     def __init__(
@@ -74,11 +74,11 @@ class Discriminator(nn.Module):
         """Build the network with fresh weights.
 
         Args:
-            links: Links in a frame.
-            numbers: Numbers per link (position 3 m, orientation quaternion wxyz 4).
-            heads: Size of the ensemble (32 in the paper, sec. 7).
-            gru: Size of the GRU's state (256 in the paper).
-            hidden: Fully connected layers between the GRU and the heads, ReLU after each.
+            links: links in a frame.
+            numbers: numbers per link (position 3 m, orientation quaternion wxyz 4).
+            heads: size of the ensemble (32 in the paper, sec. 7).
+            gru: size of the GRU's state (256 in the paper).
+            hidden: fully connected layers between the GRU and the heads, ReLU after each.
         """
         super().__init__()
         self.frame_size = links * numbers
@@ -125,8 +125,8 @@ class Discriminator(nn.Module):
         state, where the reward's clipping (eq. 11) takes all slope away; the sum keeps them within.
 
         Args:
-            simulated: Normalised frames (B, frames, links * numbers).
-            reference: The same of reference windows.
+            simulated: normalised frames (B, frames, links * numbers).
+            reference: the same of reference windows.
 
         Returns:
             Norms (B,), differentiable; zero with a zero gradient (not NaN) where the network is flat.

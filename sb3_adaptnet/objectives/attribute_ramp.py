@@ -7,7 +7,7 @@ from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
 class AttributeRamp(BaseCallback):
-    """Moves an attribute of the environment linearly from ``first`` to ``last`` over a number of samples.
+    """Moves an attribute of the environment linearly from `first` to `last` over a number of samples.
 
     The value depends on the model's samples alone, so a resumed run goes on where it was.
     """
@@ -16,13 +16,13 @@ class AttributeRamp(BaseCallback):
         """Choose the ramp.
 
         Args:
-            attribute: Name of a number that the environment lets one set, such as "push_scale".
-            first: Value at the start.
-            last: Value from ``samples`` samples on.
-            samples: Length of the ramp, in control steps over all worlds.
+            attribute: name of a number that the environment lets one set, such as "push_scale".
+            first: value at the start.
+            last: value from `samples` samples on.
+            samples: length of the ramp, in control steps over all worlds.
 
         Raises:
-            ValueError: If ``samples`` is not positive.
+            ValueError: if `samples` is not positive.
         """
         super().__init__()
         if samples <= 0:
@@ -30,7 +30,7 @@ class AttributeRamp(BaseCallback):
         self.attribute, self.first, self.last, self.samples = attribute, first, last, samples
 
     def value(self, done: int) -> float:
-        """Value after ``done`` samples."""
+        """Value after `done` samples."""
         return self.first + (self.last - self.first) * min(done / self.samples, 1.0)
 
     def _init_callback(self) -> None:
@@ -49,7 +49,7 @@ class AttributeRamp(BaseCallback):
 
 
 def set_in_worlds(env: VecEnv, attribute: str, value: float) -> None:
-    """Set an attribute of the worlds themselves, where ``set_attr`` would stop at the outermost ``gym.Wrapper``."""
+    """Set an attribute of the worlds themselves, where `set_attr` would stop at the outermost `gym.Wrapper`."""
     if isinstance(env.unwrapped, AdaptVecEnv):
         env.set_attr(attribute, value)
     else:

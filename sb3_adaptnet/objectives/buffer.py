@@ -24,9 +24,9 @@ class ValueNorm(Protocol):
 
 
 class ObjectiveSamples(NamedTuple):
-    """A minibatch of B samples, under the names that ``PPO.train`` reads.
+    """A minibatch of B samples, under the names that `PPO.train` reads.
 
-    ``old_values`` and ``returns`` are flattened (B * K,), normalised, sample-major; ``advantages`` is combined (B,).
+    `old_values` and `returns` are flattened (B * K,), normalised, sample-major; `advantages` is combined (B,).
     """
 
     observations: torch.Tensor | TensorDict
@@ -52,8 +52,8 @@ def generalized_advantages(
         values: (T, N, K) of the states before each step, in the rewards' units.
         last_values: (N, K) of the states after the last step.
         dones: (T, N) true where the step ended an episode, for whatever reason.
-        gamma: Discount factor.
-        gae_lambda: Decay of the estimator, in [0, 1].
+        gamma: discount factor.
+        gae_lambda: decay of the estimator, in [0, 1].
 
     Returns:
         Advantages (T, N, K).
@@ -87,12 +87,12 @@ def combine_advantages(advantages: np.ndarray, weights: Sequence[float]) -> np.n
 class ObjectiveRolloutBuffer(RolloutBuffer):
     """On-policy buffer of K objectives for Box and Dict observations.
 
-    ``PPO.collect_rollouts`` asks for returns before the imitation rewards exist. So
-    ``compute_returns_and_advantage`` only notes which episodes ended, and the callback calls ``finish`` once every
-    reward column is known; ``get`` refuses to hand out samples before that.
+    `PPO.collect_rollouts` asks for returns before the imitation rewards exist. So
+    `compute_returns_and_advantage` only notes which episodes ended, and the callback calls `finish` once every
+    reward column is known; `get` refuses to hand out samples before that.
 
     Attributes:
-        values, returns: (T, N, K) in real units after ``finish``.
+        values, returns: (T, N, K) in real units after `finish`.
         advantages: (T, N), standardised per objective and combined.
     """
 
@@ -108,11 +108,11 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         """Build the buffer.
 
         Args:
-            *args: ``RolloutBuffer``'s, as are ``kwargs``.
+            *args: `RolloutBuffer`'s, as are `kwargs`.
             num_objectives: K.
-            base_code: What gives the frozen base's code (N, H) of the step being added, or None if there is no frozen
+            base_code: what gives the frozen base's code (N, H) of the step being added, or None if there is no frozen
                 base. It is kept with the observations, so that an update's epochs need not encode them again.
-            **kwargs: See ``args``.
+            **kwargs: see `args`.
         """
         self.num_objectives = num_objectives
         self._base_code = base_code
@@ -147,7 +147,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         value: torch.Tensor,
         log_prob: torch.Tensor,
     ) -> None:
-        """Keep one step of all N worlds; ``value`` is (N, K)."""
+        """Keep one step of all N worlds; `value` is (N, K)."""
         observations = obs if isinstance(obs, dict) else {BOX: obs}
         for key, values in observations.items():
             self.observations[key][self.pos] = values
@@ -169,7 +169,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         self.observations[BASE_CODE][self.pos] = code.cpu().numpy()
 
     def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: np.ndarray) -> None:
-        """Note which worlds ended with the last step; the returns wait for ``finish``."""
+        """Note which worlds ended with the last step; the returns wait for `finish`."""
         del last_values  # the weighted sum of all objectives: of no use here
         self.last_dones = np.array(dones, bool)
 
@@ -182,7 +182,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
             rewards: (T, N, K) in real units, time limits bootstrapped.
             last_values: (N, K) in real units, of the states after the rollout.
             weights: K weights of eq. 9.
-            value_norm: The policy's PopArt; takes in the returns before they are normalised for the loss.
+            value_norm: the policy's PopArt; takes in the returns before they are normalised for the loss.
         """
         dones = np.concatenate([self.episode_starts[1:] > 0.5, self.last_dones[None]])
         advantages = generalized_advantages(rewards, self.values, last_values, dones, self.gamma, self.gae_lambda)
@@ -210,7 +210,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         """Yield minibatches in a random order.
 
         Raises:
-            RuntimeError: If ``finish`` was not called on this rollout.
+            RuntimeError: if `finish` was not called on this rollout.
         """
         if not self.finished:
             raise RuntimeError(

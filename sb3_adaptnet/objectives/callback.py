@@ -12,34 +12,34 @@ from stable_baselines3.common.utils import obs_as_tensor
 
 from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
 from sb3_adaptnet.objectives.imitation import ImitationObjective
-from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, steer
+from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, next_step_size
 from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
 from sb3_adaptnet.objectives.rollout_log import Rollout
-from sb3_adaptnet.objectives.schedule import Points, check_points, value_at
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 
 IMITATION, GOAL = "imitation", "goal"
 DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}  # the paper, app. B; motion styles take 0.35 and 0.65
 
 
 class DiscriminatorRewardCallback(BaseCallback):
-    """Adds discriminators, K rewards and values, and a KL-steered actor to ``PPO.learn``.
+    """Adds discriminators, K rewards and values, and a KL-steered actor to `PPO.learn`.
 
     While PPO collects, the callback copies goal rewards and pose windows. At a rollout's end it trains the
-    discriminators for one pass, scores the windows (eq. 11), sets every objective's reward to ``terminal_reward``
+    discriminators for one pass, scores the windows (eq. 11), sets every objective's reward to `terminal_reward`
     where an episode ended by a fall, lost or diverged, adds the bootstrap of time limits per objective, and fills the
-    buffer's advantages (eq. 9). It needs a policy of this package and an environment with ``pose_windows`` and
-    ``sample_reference_windows``, without ``VecNormalize``. With another model it begins with fresh discriminators.
+    buffer's advantages (eq. 9). It needs a policy of this package and an environment with `pose_windows` and
+    `sample_reference_windows`, without `VecNormalize`. With another model it begins with fresh discriminators.
 
     Attributes:
-        objectives: Names in the order of the critic's columns.
-        imitation: The discriminators; None before training starts and without the objective "imitation".
-        metrics: Means of the last rollout: goal_reward, imitation_reward, falls_per_minute, episode_length, ...
+        objectives: names in the order of the critic's columns.
+        imitation: the discriminators; None before training starts and without the objective "imitation".
+        metrics: means of the last rollout: goal_reward, imitation_reward, falls_per_minute, episode_length, ...
     """
 
     def __init__(
         self,
-        objective_weights: Mapping[str, Points] | None = None,
+        objective_weights: Mapping[str, Schedule] | None = None,
         terminal_reward: float = -10.0,
         kl_range: tuple[float, float] | None = KL_RANGE,
         actor_lr_range: tuple[float, float] = (1e-6, 1e-3),
@@ -50,23 +50,23 @@ class DiscriminatorRewardCallback(BaseCallback):
         """Choose objectives and their weights.
 
         Args:
-            objective_weights: Name to weight (w_k of eq. 9). "imitation" is the discriminators' reward, "goal" the
-                environment's; every other name stands in ``reward_terms`` or in ``TERMS`` of `reward_terms.py`, as
+            objective_weights: name to weight (w_k of eq. 9). "imitation" is the discriminators' reward, "goal" the
+                environment's; every other name stands in `reward_terms` or in `TERMS` of `reward_terms.py`, as
                 "footing" does. Default: 0.5 and 0.5. A weight is a number,
-                or samples -> number, joined by straight lines: ``{0: 0.5, 1_000_000: 0.2}``.
-            terminal_reward: Reward of every objective where an episode ended by a fall, lost or diverged.
-            kl_range: Range of the KL divergence to steer the actor's step size to; None keeps it fixed.
-            actor_lr_range: Smallest and largest effective learning rate of the actor.
-            discriminator: Arguments of ``ImitationObjective`` (learning_rate, batch_size, gradient_penalty, ...).
-            reward_terms: Name to a function of PPO's local variables at a step (``new_obs``, ``actions``,
-                ``infos``, ``env``, ...) that returns rewards (N,).
-            verbose: As in Stable-Baselines3.
+                or samples -> number, joined by straight lines: `{0: 0.5, 1_000_000: 0.2}`.
+            terminal_reward: reward of every objective where an episode ended by a fall, lost or diverged.
+            kl_range: range of the KL divergence to steer the actor's step size to; None keeps it fixed.
+            actor_lr_range: smallest and largest effective learning rate of the actor.
+            discriminator: arguments of `ImitationObjective` (learning_rate, batch_size, gradient_penalty, ...).
+            reward_terms: name to a function of PPO's local variables at a step (`new_obs`, `actions`,
+                `infos`, `env`, ...) that returns rewards (N,).
+            verbose: as in Stable-Baselines3.
 
         Raises:
-            ValueError: If an objective has no reward, a weight is negative, or a range is the wrong way round.
+            ValueError: if an objective has no reward, a weight is negative, or a range is the wrong way round.
         """
         super().__init__(verbose)
-        self.weights: dict[str, Points] = dict(objective_weights or DEFAULT_WEIGHTS)
+        self.weights: dict[str, Schedule] = dict(objective_weights or DEFAULT_WEIGHTS)
         self.reward_terms = {**TERMS, **(reward_terms or {})}
         self.terminal_reward = float(terminal_reward)
         self.kl_range = (float(kl_range[0]), float(kl_range[1])) if kl_range is not None else None
@@ -141,11 +141,11 @@ class DiscriminatorRewardCallback(BaseCallback):
         kl = self.logger.name_to_value.get("train/approx_kl")  # of the update between the two rollouts
         self.kl = float(kl) if kl is not None else None
         if self.kl_range is not None and self.kl is not None:
-            self._steer(self.kl)
+            self._set_step_size(self.kl)
 
-    def _steer(self, kl: float) -> None:
+    def _set_step_size(self, kl: float) -> None:
         group = self.model.policy.optimizer.group("actor")  # type: ignore[attr-defined]
-        rate = steer(group["lr"] * group["lr_scale"], kl, self.kl_range or KL_RANGE, self.actor_lr_range)
+        rate = next_step_size(group["lr"] * group["lr_scale"], kl, self.kl_range or KL_RANGE, self.actor_lr_range)
         group["lr_scale"] = rate / group["lr"]
 
     def _on_step(self) -> bool:
@@ -216,7 +216,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         return {"imitation": imitation, "rng": self.rng.bit_generator.state}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Restore what ``state_dict`` gave; call it after ``init_callback``."""
+        """Restore what `state_dict` gave; call it after `init_callback`."""
         self.rng.bit_generator.state = state["rng"]
         if self.imitation is not None:
             self.imitation.load_state_dict(state["imitation"])
@@ -232,7 +232,7 @@ def stack_observations(terminal: list[Any], last: Any) -> Any:
 
 
 def _check(
-    weights: Mapping[str, Points],
+    weights: Mapping[str, Schedule],
     terms: Mapping[str, RewardTerm],
     kl_range: tuple[float, float] | None,
     lr_range: tuple[float, float],
@@ -241,7 +241,7 @@ def _check(
     for name, weight in weights.items():
         if name not in known:
             raise ValueError(f"objective {name!r} has no reward; known are: {', '.join(known)} (see reward_terms)")
-        check_points(f"the weight of objective {name!r}", weight)
+        check_schedule(f"the weight of objective {name!r}", weight)
     for label, bounds in (("kl_range", kl_range), ("actor_lr_range", lr_range)):
         if bounds is not None and not 0.0 < bounds[0] <= bounds[1]:
             raise ValueError(f"{label} must be two ascending positive numbers, not {bounds}")

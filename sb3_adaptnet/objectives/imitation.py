@@ -18,8 +18,8 @@ class ImitationObjective:
     """Discriminators, fresh for every adaptation, with the optimiser that trains them.
 
     Attributes:
-        discriminator: The network.
-        optimizer: Adam over its weights.
+        discriminator: the network.
+        optimizer: adam over its weights.
     """
 
     def __init__(
@@ -36,17 +36,17 @@ class ImitationObjective:
         """Build fresh discriminators.
 
         Args:
-            learning_rate: Adam's step size.
-            batch_size: Windows in one update, half simulated, half reference.
-            gradient_penalty: Coefficient of eq. 10's last term.
-            max_grad_norm: Gradients are clipped to this norm.
-            share: Share of the rollout's windows that the one pass sees, drawn at random, in (0, 1].
+            learning_rate: adam's step size.
+            batch_size: windows in one update, half simulated, half reference.
+            gradient_penalty: coefficient of eq. 10's last term.
+            max_grad_norm: gradients are clipped to this norm.
+            share: share of the rollout's windows that the one pass sees, drawn at random, in (0, 1].
             precision: "fp32", "medium" or "bf16".
-            device: Where the network lives.
-            network: Arguments of ``Discriminator`` (heads, gru, hidden).
+            device: where the network lives.
+            network: arguments of `Discriminator` (heads, gru, hidden).
 
         Raises:
-            ValueError: If ``batch_size`` or ``share`` is out of range.
+            ValueError: if `batch_size` or `share` is out of range.
         """
         if batch_size < 2 or batch_size % 2:
             raise ValueError(f"the discriminators' batch_size must be even and at least 2, not {batch_size}")
@@ -65,9 +65,9 @@ class ImitationObjective:
         """Train for one pass over a rollout.
 
         Args:
-            simulated: Pose windows (M, frames, links, 7) of the rollout; rows that are not finite are left out.
-            reference: As many of the clips'.
-            rng: Orders and pairs the rows.
+            simulated: pose windows (M, frames, links, 7) of the rollout; rows that are not finite are left out.
+            reference: as many of the clips'.
+            rng: orders and pairs the rows.
 
         Returns:
             Means over the pass: loss, gradient norm, scores and accuracy of each kind.
@@ -117,7 +117,7 @@ class ImitationObjective:
         return {"network": self.discriminator.state_dict(), "optimizer": self.optimizer.state_dict()}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Restore what ``state_dict`` gave."""
+        """Restore what `state_dict` gave."""
         self.discriminator.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])
 

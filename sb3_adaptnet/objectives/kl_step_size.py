@@ -1,4 +1,4 @@
-"""Steers the actor's step size to a range of the KL divergence between old and new policy."""
+"""Keeps the KL divergence of an update within a range, by the actor's step size."""
 
 import math
 
@@ -6,17 +6,19 @@ KL_RANGE = (0.012, 0.03)  # per update, measured to learn fast without breaking 
 SCALE_STEP = 1.5  # factor of one correction
 
 
-def steer(learning_rate: float, kl: float, kl_range: tuple[float, float], bounds: tuple[float, float]) -> float:
+def next_step_size(
+    learning_rate: float, kl: float, kl_range: tuple[float, float], bounds: tuple[float, float]
+) -> float:
     """Return the actor's next learning rate.
 
     Args:
-        learning_rate: The one in use.
+        learning_rate: the one in use.
         kl: KL divergence of the last update, in nats; not finite counts as too large.
-        kl_range: Below the first the step size grows by 1.5, above the second it shrinks by 1.5.
-        bounds: Smallest and largest learning rate.
+        kl_range: below the first the step size grows by 1.5, above the second it shrinks by 1.5.
+        bounds: smallest and largest learning rate.
 
     Returns:
-        Learning rate within ``bounds``.
+        Learning rate within `bounds`.
     """
     low, high = kl_range
     if not math.isfinite(kl) or kl > high:

@@ -10,7 +10,7 @@ def pose_windows(env: VecEnv) -> np.ndarray:
     """Return the windows (N, 5, 15, 7) of the transition just made: position [m] and quaternion wxyz per link.
 
     Raises:
-        ValueError: If the environment has no ``pose_windows``.
+        ValueError: if the environment has no `pose_windows`.
     """
     windows = getattr(env, "pose_windows", None)
     if windows is not None:
@@ -22,12 +22,12 @@ def pose_windows(env: VecEnv) -> np.ndarray:
 
 
 def reference_windows(env: VecEnv, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Draw ``count`` windows (count, 5, 15, 7) from the environment's clips.
+    """Draw `count` windows (count, 5, 15, 7) from the environment's clips.
 
-    A child generator goes to the environment, since one in another process could not advance ``rng``.
+    A child generator goes to the environment, since one in another process could not advance `rng`.
 
     Raises:
-        ValueError: If the environment has no ``sample_reference_windows``.
+        ValueError: if the environment has no `sample_reference_windows`.
     """
     child = np.random.default_rng(rng.integers(2**63))
     sample = getattr(env, "sample_reference_windows", None)

@@ -14,7 +14,7 @@ def environments_own(attribute: str, step: dict[str, Any]) -> np.ndarray:
     """Rewards (N,) of the transition just made, which the environments keep under this name.
 
     Raises:
-        ValueError: If they have none.
+        ValueError: if they have none.
     """
     env = step["env"]
     try:

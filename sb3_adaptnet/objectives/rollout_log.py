@@ -13,15 +13,15 @@ class Rollout:
 
     Attributes:
         windows: (T, N, frames, links, 7) pose windows, None until the first step (or without imitation).
-        rewards: Name to (T, N) reward of every objective that is known at the step.
+        rewards: name to (T, N) reward of every objective that is known at the step.
         terminated: (T, N) bool, episodes that ended by a fall, lost or diverged.
         time_limits: (step, world, terminal observation) of the episodes that a time limit ended.
-        ends: How often each end occurred, by name.
-        lengths: Steps of the episodes that ended.
+        ends: how often each end occurred, by name.
+        lengths: steps of the episodes that ended.
     """
 
     def __init__(self, steps: int, worlds: int) -> None:
-        """Make room for ``steps`` x ``worlds`` transitions."""
+        """Make room for `steps` x `worlds` transitions."""
         self.shape = (steps, worlds)
         self.windows: np.ndarray | None = None
         self.rewards: dict[str, np.ndarray] = {}
@@ -43,7 +43,7 @@ class Rollout:
         infos: list[dict[str, Any]],
         windows: np.ndarray | None,
     ) -> None:
-        """Copy one step; PPO changes ``rewards`` in place afterwards, and environments may reuse ``windows``."""
+        """Copy one step; PPO changes `rewards` in place afterwards, and environments may reuse `windows`."""
         for name, column in rewards.items():
             self.rewards.setdefault(name, np.zeros(self.shape, np.float32))[self.step] = column
         if windows is not None:

@@ -5,23 +5,23 @@ from numbers import Real
 
 import numpy as np
 
-Points = float | Mapping[int, float]
-"""A number, or samples -> number, such as ``{0: 0.5, 1_000_000: 0.2}``; constant outside them."""
+Schedule = float | Mapping[int, float]
+"""A number, or samples -> number, such as `{0: 0.5, 1_000_000: 0.2}`; constant outside them."""
 
 
-def value_at(points: Points, samples: int) -> float:
-    """The number after ``samples`` samples."""
+def value_at(points: Schedule, samples: int) -> float:
+    """The number after `samples` samples."""
     if not isinstance(points, Mapping):
         return float(points)
     at = sorted(points)
     return float(np.interp(samples, at, [points[sample] for sample in at]))
 
 
-def check_points(what: str, points: Points) -> None:
+def check_schedule(what: str, points: Schedule) -> None:
     """Refuse anything but a number or points, and negative numbers; `what` says whose they are.
 
     Raises:
-        ValueError: Naming the value. YAML reads 1e6 as text: write 1000000.
+        ValueError: naming the value. YAML reads 1e6 as text: write 1000000.
     """
     pairs = points.items() if isinstance(points, Mapping) else [(0, points)]
     if not pairs or not all(isinstance(number, Real) and number >= 0 for pair in pairs for number in pair):

@@ -15,13 +15,13 @@ from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.layers.precision import autocast
 from sb3_adaptnet.modules.observation import Observation
-from sb3_adaptnet.policies.from_base import AdaptingPolicy
+from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.weights.checkpoint import ADAPTATION, build_checked, check_base, load_checked, read_adaptation
 
 TRAINED = "main"  # name of the adaptation that a policy trains
 
 
-class AdaptNetPolicy(AdaptingPolicy):
+class AdaptNetPolicy(PolicyFromBase):
     """AdaptNet: a frozen base, an injector into its latents, adaptors at its layers (paper, secs. 4 and 5).
 
     At the start it acts exactly as its base. `alpha` may be set at any time (0 is the base, 1 the adapted policy);

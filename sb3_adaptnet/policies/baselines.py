@@ -15,14 +15,14 @@ from sb3_adaptnet.modules.adaptation.injector import PRIOR_SAMPLES
 from sb3_adaptnet.modules.adaptation.progressive import ProgressiveActor
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import Backbone
-from sb3_adaptnet.policies.from_base import AdaptingPolicy
+from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.policies.pretrain import PretrainPolicy
 from sb3_adaptnet.weights.checkpoint import ADAPTATION, BASE, check_base, load_checked, read_adaptation
 
 ScratchPolicy = PretrainPolicy
 
 
-class FinetunePolicy(AdaptingPolicy):
+class FinetunePolicy(PolicyFromBase):
     """FT: trains all weights of the base but its log-std head, so that all methods explore alike.
 
     Where the observations bring a heightmap that the base cannot read, an encoder is added whose output starts at zero.
@@ -43,7 +43,7 @@ class FinetunePolicy(AdaptingPolicy):
         return BASE, self.actor, self.describe_actor() | {"method": "finetune"}
 
 
-class RegularizedFinetunePolicy(AdaptingPolicy):
+class RegularizedFinetunePolicy(PolicyFromBase):
     """FT + Reg: finetuning with the penalty kappa * ||theta - theta_base||_2."""
 
     actor: AnchoredActor
@@ -58,7 +58,7 @@ class RegularizedFinetunePolicy(AdaptingPolicy):
         kappa: float = 0.01,
         **settings: Any,
     ) -> None:
-        """As `AdaptingPolicy`, with the penalty's coefficient `kappa`."""
+        """As `PolicyFromBase`, with the penalty's coefficient `kappa`."""
         self.kappa = kappa
         super().__init__(observation_space, action_space, lr_schedule, use_sde, base, **settings)
 
@@ -81,7 +81,7 @@ class RegularizedFinetunePolicy(AdaptingPolicy):
         return BASE, self.actor.network, super().describe_actor() | {"method": "finetune-reg"}
 
 
-class ProgressivePolicy(AdaptingPolicy):
+class ProgressivePolicy(PolicyFromBase):
     """PNet: a new column that reads the frozen base's latents; it starts at random."""
 
     actor: ProgressiveActor

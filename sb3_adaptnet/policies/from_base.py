@@ -19,7 +19,7 @@ from sb3_adaptnet.weights.checkpoint import Base, read_base, resolve
 from sb3_adaptnet.weights.weight_file import CheckpointError
 
 
-class AdaptingPolicy(ObjectivePolicy):
+class PolicyFromBase(ObjectivePolicy):
     """A policy that starts from a base: reads it, drops the outputs of joints that the character lacks.
 
     Attributes:

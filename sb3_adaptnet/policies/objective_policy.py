@@ -18,7 +18,7 @@ from sb3_adaptnet.modules.layers.normalizer import moments_of
 from sb3_adaptnet.modules.layers.popart import PopArtHead
 from sb3_adaptnet.modules.layers.precision import PRECISIONS, autocast, use_precision
 from sb3_adaptnet.modules.observation import Observation, split_observation
-from sb3_adaptnet.policies.scaled_adam import SteeredAdam
+from sb3_adaptnet.policies.scaled_adam import ScaledAdam
 from sb3_adaptnet.policies.space_contract import action_joints, has_heightmap
 
 LONGEST_ROLLOUT = 65_536  # samples; beyond this an update is rare and its buffer takes gigabytes
@@ -58,7 +58,7 @@ class ObjectivePolicy(ActorCriticPolicy):
         precision: str = "fp32",
         actor_lr: float | None = None,
         critic_lr: float | None = None,
-        optimizer_class: type[torch.optim.Optimizer] = SteeredAdam,
+        optimizer_class: type[torch.optim.Optimizer] = ScaledAdam,
         optimizer_kwargs: dict[str, Any] | None = None,
     ) -> None:
         """Build the networks and the optimiser.

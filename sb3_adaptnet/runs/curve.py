@@ -16,7 +16,7 @@ WINDOW = 15  # rollouts that the strong line is the mean of
 
 
 def draw_curve(rows: Sequence[Row], folder: RunFolder) -> None:
-    """Draw a run's rows over samples into its ``curve.png``."""
+    """Draw a run's rows over samples into its `curve.png`."""
     if rows:
         settings = folder.settings
         draw_curves({"": rows}, folder.curve, f"{settings.env_id}, seed {settings.seed}")
@@ -26,9 +26,9 @@ def draw_curves(histories: Mapping[str, Sequence[Row]], path: Path, title: str =
     """Draw the rewards, falls and episode lengths of one run or several over their samples.
 
     Args:
-        histories: Name of a run, shown in the legend, to its rows.
+        histories: name of a run, shown in the legend, to its rows.
         path: PNG file; its folder must exist.
-        title: Line above.
+        title: line above.
     """
     columns = panels(histories)
     figure = Figure(figsize=(10, 3 * -(-len(columns) // 2)), layout="constrained")

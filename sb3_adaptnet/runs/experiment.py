@@ -26,13 +26,13 @@ class Experiment:
     """One entry of a YAML file.
 
     Attributes:
-        env_id: Environment it is for.
-        policy: The policy class.
-        ppo: Keyword arguments of ``PPO`` besides policy and environment, with ``policy_kwargs``.
-        n_envs: Worlds.
-        samples: Control steps over all worlds to train for.
+        env_id: environment it is for.
+        policy: the policy class.
+        ppo: keyword arguments of `PPO` besides policy and environment, with `policy_kwargs`.
+        n_envs: worlds.
+        samples: control steps over all worlds to train for.
         callbacks: (class, keyword arguments) in order.
-        env_kwargs: Arguments of the environment.
+        env_kwargs: arguments of the environment.
     """
 
     env_id: str
@@ -52,35 +52,35 @@ def hyperparameters(env_id: str, base: str | None = None, conf_file: str | Path 
     """Return PPO's keyword arguments for an environment from the zoo's YAML entry.
 
     Args:
-        env_id: Such as "AdaptNet/Humanoid-Stoop-v0".
-        base: Name or file of the base to adapt; None keeps the entry's.
+        env_id: such as "AdaptNet/Humanoid-Stoop-v0".
+        base: name or file of the base to adapt; None keeps the entry's.
         conf_file: YAML file, or the name of a shipped one; default "ppo".
 
     Returns:
-        ``n_steps``, ``batch_size``, ``policy_kwargs`` and so on, a fresh dict.
+        `n_steps`, `batch_size`, `policy_kwargs` and so on, a fresh dict.
 
     Raises:
-        ValueError: If the file is unknown, it has neither an entry for the id nor a `default`, or the entry holds a key
+        ValueError: if the file is unknown, it has neither an entry for the id nor a `default`, or the entry holds a key
             that nothing reads.
     """
     return dict(experiment(env_id, base, conf_file).ppo)
 
 
 def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
-    """Make the callbacks of the zoo's YAML entry, for ``PPO.learn``: the discriminators first, then any ramps.
+    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: the discriminators first, then any ramps.
 
     Args:
-        env_id: Such as "AdaptNet/Humanoid-Stoop-v0".
+        env_id: such as "AdaptNet/Humanoid-Stoop-v0".
         conf_file: YAML file, or the name of a shipped one; default "ppo".
 
     Raises:
-        ValueError: As ``hyperparameters``.
+        ValueError: as `hyperparameters`.
     """
     return experiment(env_id, conf_file=conf_file).make_callbacks()
 
 
 def experiment(env_id: str, base: str | None = None, conf_file: str | Path | None = None) -> Experiment:
-    """Read and check the whole entry of an environment; arguments and errors as ``hyperparameters``."""
+    """Read and check the whole entry of an environment; arguments and errors as `hyperparameters`."""
     file = conf_path(conf_file)
     entry = read_entry(file, env_id)
     where = f"{file.name}: {env_id}"
@@ -109,7 +109,7 @@ def conf_path(conf_file: str | Path | None) -> Path:
     """Find a YAML file by path or shipped name.
 
     Raises:
-        ValueError: If there is neither such a file nor such a name.
+        ValueError: if there is neither such a file nor such a name.
     """
     if conf_file is None:
         return zoo_config_path(DEFAULT_CONF)
@@ -124,7 +124,7 @@ def read_entry(file: Path, env_id: str) -> dict[str, Any]:
     """Read the entry of an environment as it stands, or the file's fallback.
 
     Raises:
-        ValueError: If the file is no YAML file, or has neither.
+        ValueError: if the file is no YAML file, or has neither.
     """
     try:
         entries = yaml.load(file.read_text(encoding="utf-8"), Loader=LOADER)
@@ -163,7 +163,7 @@ def load_class(name: str, where: str) -> type:
     """Import a class by its dotted name.
 
     Raises:
-        ValueError: If there is no such module or class.
+        ValueError: if there is no such module or class.
     """
     module, _, attribute = str(name).rpartition(".")
     try:
@@ -173,7 +173,7 @@ def load_class(name: str, where: str) -> type:
 
 
 def arguments_of(cls: type) -> tuple[str, ...]:
-    """Names of a class's constructor arguments, its bases' as well where it hands ``**kwargs`` on."""
+    """Names of a class's constructor arguments, its bases' as well where it hands `**kwargs` on."""
     names: dict[str, None] = {}
     for base in inspect.getmro(cls):
         parameters = inspect.signature(base).parameters.values()

@@ -1,4 +1,4 @@
-"""What training reported, rollout by rollout: the rows of ``progress.csv``."""
+"""What training reported, rollout by rollout: the rows of `progress.csv`."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -27,7 +27,7 @@ def append_row(path: Path, columns: Sequence[str], row: Row) -> None:
 
 
 def read_rows(path: Path, up_to: float = float("inf")) -> list[Row]:
-    """Rows with at most ``up_to`` samples; none where there is no file. A row that a kill cut short is left out."""
+    """Rows with at most `up_to` samples; none where there is no file. A row that a kill cut short is left out."""
     if not path.is_file():
         return []
     rows = []

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from stable_baselines3.common.callbacks import BaseCallback
 from tqdm import tqdm
 
-from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
+from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.history import Row, append_row, read_rows, reward_column, write_rows
 from sb3_adaptnet.runs.run_folder import RunFolder
@@ -30,8 +30,8 @@ SHOWN = (
 )
 
 
-class Progress(BaseCallback):
-    """Reports every rollout: a bar on a terminal, a line a minute elsewhere, and a row of ``progress.csv``."""
+class RunProgress(BaseCallback):
+    """Reports every rollout: a bar on a terminal, a line a minute elsewhere, and a row of `progress.csv`."""
 
     def __init__(
         self,
@@ -45,12 +45,12 @@ class Progress(BaseCallback):
         """Prepare.
 
         Args:
-            folder: The run's.
-            discriminators: Where the numbers come from.
-            ramps: Attributes of the worlds that change meanwhile; each gets a column.
-            seconds: Training time that went before (of a resumed run).
-            quiet: Neither bar nor lines.
-            line_seconds: Time between two lines where there is no terminal.
+            folder: the run's.
+            discriminators: where the numbers come from.
+            ramps: attributes of the worlds that change meanwhile; each gets a column.
+            seconds: training time that went before (of a resumed run).
+            quiet: neither bar nor lines.
+            line_seconds: time between two lines where there is no terminal.
         """
         super().__init__()
         self.folder, self.discriminators = folder, discriminators

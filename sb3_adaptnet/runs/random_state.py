@@ -9,7 +9,7 @@ import torch
 
 
 def random_states() -> dict[str, Any]:
-    """Read all global random states, in a form that ``torch.load(weights_only=True)`` accepts."""
+    """Read all global random states, in a form that `torch.load(weights_only=True)` accepts."""
     name, keys, position, has_gauss, cached = np.random.get_state(legacy=True)
     return {
         "python": json.dumps(random.getstate()),
@@ -20,7 +20,7 @@ def random_states() -> dict[str, Any]:
 
 
 def restore_random_states(states: dict[str, Any]) -> None:
-    """Set all global random states to what ``random_states`` gave."""
+    """Set all global random states to what `random_states` gave."""
     version, internal, gauss = json.loads(states["python"])
     random.setstate((version, tuple(internal), gauss))
     name, keys, position, has_gauss, cached = json.loads(states["numpy"])

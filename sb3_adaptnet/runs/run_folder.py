@@ -22,15 +22,15 @@ class RunSettings:
     """What a run was asked to do; enough to build the same model again.
 
     Attributes:
-        env_id: Environment.
-        samples: Control steps over all worlds to reach.
-        seed: Seed of networks, worlds and orders.
+        env_id: environment.
+        samples: control steps over all worlds to reach.
+        seed: seed of networks, worlds and orders.
         conf_file: YAML file or shipped name; None for "ppo".
-        base: Base to adapt, name or file; None for the entry's.
-        motion: Clip or file for environments that take ``motion=``.
-        n_envs: Worlds; None for the entry's.
+        base: base to adapt, name or file; None for the entry's.
+        motion: clip or file for environments that take `motion=`.
+        n_envs: worlds; None for the entry's.
         device: "cpu" or "cuda".
-        threads: Threads of physics and networks; None for all cores.
+        threads: threads of physics and networks; None for all cores.
     """
 
     env_id: str
@@ -48,10 +48,10 @@ class RunFolder:
     """Paths and files of a run.
 
     Attributes:
-        path: The folder.
-        settings: What was asked for.
+        path: the folder.
+        settings: what was asked for.
         motion: A copy of the clip, if it does not ship: the folder may be moved.
-        config: The zoo's entry as it was when the run began; a resumed run reads it again.
+        config: the zoo's entry as it was when the run began; a resumed run reads it again.
     """
 
     def __init__(self, path: Path, settings: RunSettings) -> None:
@@ -65,10 +65,10 @@ class RunFolder:
 
     @classmethod
     def new(cls, settings: RunSettings, path: str | Path | None = None) -> "RunFolder":
-        """Create the folder, write ``run.json`` and ``config.yml``; without a path the next free one under ``runs/``.
+        """Create the folder, write `run.json` and `config.yml`; without a path the next free one under `runs/`.
 
         Raises:
-            ValueError: If the path holds a run already, or there is no entry for what it shall train on.
+            ValueError: if the path holds a run already, or there is no entry for what it shall train on.
         """
         entry = read_entry(conf_path(settings.conf_file), settings.env_id)
         folder = cls(Path(path) if path is not None else next_path(settings.env_id), settings)
@@ -85,10 +85,10 @@ class RunFolder:
 
     @classmethod
     def open(cls, path: str | Path) -> "RunFolder":
-        """Open a run by its folder, or by its name under ``runs/``.
+        """Open a run by its folder, or by its name under `runs/`.
 
         Raises:
-            ValueError: If there is no run, or its description is damaged.
+            ValueError: if there is no run, or its description is damaged.
         """
         folder = Path(path) if (Path(path) / "run.json").is_file() else RUNS / path
         file = folder / "run.json"
@@ -105,15 +105,15 @@ class RunFolder:
 
     @property
     def experiment(self) -> Experiment:
-        """What the run trains with: its own ``config.yml``, whatever became of the file that it was copied from.
+        """What the run trains with: its own `config.yml`, whatever became of the file that it was copied from.
 
         Raises:
-            ValueError: If that was removed or damaged.
+            ValueError: if that was removed or damaged.
         """
         return experiment(self.settings.env_id, self.settings.base, self.config)
 
     def write_settings(self, settings: RunSettings) -> None:
-        """Write ``run.json``; a clip of the folder's own is named without the folder, which may move."""
+        """Write `run.json`; a clip of the folder's own is named without the folder, which may move."""
         self.settings = settings
         motion = MOTION if settings.motion == str(self.motion) else settings.motion
         text = json.dumps(asdict(replace(settings, motion=motion)), indent=2) + "\n"
@@ -127,7 +127,7 @@ class RunFolder:
         """Read the checkpoint, tensors and plain values alone (no code runs), into main memory.
 
         Raises:
-            ValueError: If there is none, or it cannot be read.
+            ValueError: if there is none, or it cannot be read.
         """
         if not self.checkpoint.is_file():
             raise ValueError(f"{self.path} has no checkpoint yet")
@@ -138,7 +138,7 @@ class RunFolder:
 
 
 def next_path(env_id: str) -> Path:
-    """Next free folder ``runs/NAME_N``; the slash and colon of an id become dashes."""
+    """Next free folder `runs/NAME_N`; the slash and colon of an id become dashes."""
     name, number = env_id.replace("/", "-").replace(":", "-"), 1
     while (RUNS / f"{name}_{number}").exists():
         number += 1
@@ -146,7 +146,7 @@ def next_path(env_id: str) -> Path:
 
 
 def write_atomically(path: Path, write: Callable[[BinaryIO], Any]) -> None:
-    """Write a file beside ``path``, flush it to disk, then rename it over ``path``."""
+    """Write a file beside `path`, flush it to disk, then rename it over `path`."""
     temporary = path.with_name(path.name + ".tmp")
     with temporary.open("wb") as stream:
         write(stream)

@@ -28,10 +28,10 @@ class RunSaver(BaseCallback):
         """Prepare.
 
         Args:
-            folder: Where checkpoints go.
-            discriminators: The callback whose state belongs to the run, if there is one.
-            minutes: Time between checkpoints.
-            resume: State to go on from.
+            folder: where checkpoints go.
+            discriminators: the callback whose state belongs to the run, if there is one.
+            minutes: time between checkpoints.
+            resume: state to go on from.
         """
         super().__init__()
         self.folder, self.discriminators, self.minutes, self.resume = folder, discriminators, minutes, resume
@@ -83,7 +83,7 @@ def snapshot(
 
 
 def restore(model: BaseAlgorithm, discriminators: DiscriminatorRewardCallback | None, state: dict[str, Any]) -> None:
-    """Put ``snapshot``'s state back; the model's callbacks must be initialised."""
+    """Put `snapshot`'s state back; the model's callbacks must be initialised."""
     learner: Any = model
     model.policy.load_state_dict(state["policy"])
     model.policy.optimizer.load_state_dict(state["optimizer"])

@@ -12,15 +12,15 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import configure
 
-from sb3_adaptnet.policies.from_base import AdaptingPolicy
-from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
-from sb3_adaptnet.runs.experiment import Experiment, experiment
 from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
-from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
+from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
-from sb3_adaptnet.runs.progress import Progress
+from sb3_adaptnet.runs.experiment import Experiment, experiment
+from sb3_adaptnet.runs.progress import RunProgress
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.saver import RunSaver
+from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.zoo.vec_env import spec_of, training_ground
 
 
@@ -30,8 +30,8 @@ class Learner:
 
     Attributes:
         model: PPO with a policy of this package.
-        discriminators: The callback that makes it multi-objective.
-        others: Further callbacks of the entry.
+        discriminators: the callback that makes it multi-objective.
+        others: further callbacks of the entry.
     """
 
     model: PPO
@@ -50,13 +50,13 @@ def build_learner(
     """Make worlds, model and callbacks; nothing is written.
 
     Args:
-        settings: What was asked for.
-        entry: What to train with; None for the settings' entry of the zoo.
-        samples_done: Samples of a resumed run; the worlds restart with another seed.
-        **overrides: Further arguments of ``AdaptVecEnv`` (tests hand in ``env``).
+        settings: what was asked for.
+        entry: what to train with; None for the settings' entry of the zoo.
+        samples_done: samples of a resumed run; the worlds restart with another seed.
+        **overrides: further arguments of `AdaptVecEnv` (tests hand in `env`).
 
     Raises:
-        ValueError: If anything asked for does not exist or does not fit.
+        ValueError: if anything asked for does not exist or does not fit.
     """
     if settings.threads is not None:
         torch.set_num_threads(settings.threads)
@@ -83,10 +83,10 @@ def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> A
 def start(
     settings: RunSettings, run_dir: str | Path | None = None, callbacks: Sequence[BaseCallback] = (), **options: Any
 ) -> RunFolder:
-    """Train from the beginning in a new folder, with further callbacks; options are ``learn``'s."""
+    """Train from the beginning in a new folder, with further callbacks; options are `learn`'s."""
     learner = build_learner(settings)
     learner.others.extend(callbacks)
-    if isinstance(learner.model.policy, AdaptingPolicy):
+    if isinstance(learner.model.policy, PolicyFromBase):
         learner.model.policy.check_base_found()
     return learn(learner, RunFolder.new(settings, run_dir), **options)
 
@@ -94,7 +94,7 @@ def start(
 def resume(
     run: str | Path, samples: int | None = None, device: str | None = None, threads: int | None = None, **options: Any
 ) -> RunFolder:
-    """Go on with a run from its last checkpoint, by its own ``config.yml``; all states as they were."""
+    """Go on with a run from its last checkpoint, by its own `config.yml`; all states as they were."""
     folder = RunFolder.open(run)
     state = folder.load()
     changes: dict[str, Any] = {"samples": samples, "device": device, "threads": threads}
@@ -114,11 +114,11 @@ def learn(
     """Train until the folder's number of samples, Ctrl-C or SIGTERM, then save.
 
     Args:
-        learner: What to train.
-        folder: Where checkpoint, progress.csv, curve.png and TensorBoard's events go.
-        state: Checkpoint to go on from.
-        minutes: Time between checkpoints.
-        quiet: Show no progress.
+        learner: what to train.
+        folder: where checkpoint, progress.csv, curve.png and TensorBoard's events go.
+        state: checkpoint to go on from.
+        minutes: time between checkpoints.
+        quiet: show no progress.
 
     Returns:
         The folder.
@@ -126,7 +126,7 @@ def learn(
     model, discriminators = learner.model, learner.discriminators
     saver = RunSaver(folder, discriminators, minutes, state)
     ramps = [callback for callback in learner.others if isinstance(callback, AttributeRamp)]
-    progress = Progress(folder, discriminators, ramps, saver.seconds, quiet)
+    progress = RunProgress(folder, discriminators, ramps, saver.seconds, quiet)
     done = int(state["samples"]) if state else 0
     model.num_timesteps = done
     model.set_logger(configure(str(folder.path), ["tensorboard"]))
@@ -141,8 +141,8 @@ def learn(
 class CurveDrawer(BaseCallback):
     """Redraws the learning curve every 25 rollouts."""
 
-    def __init__(self, progress: Progress, rollouts: int = 25) -> None:
-        """Draw ``progress``'s rows every ``rollouts`` rollouts."""
+    def __init__(self, progress: RunProgress, rollouts: int = 25) -> None:
+        """Draw `progress`'s rows every `rollouts` rollouts."""
         super().__init__()
         self.progress, self.rollouts, self._count = progress, rollouts, 0
 

@@ -1,6 +1,6 @@
 """Running experiments: rl_zoo3's glue and the command line.
 
-``python -m rl_zoo3.train ... --gym-packages sb3_adaptnet.zoo`` imports this package; it registers the environments
+`python -m rl_zoo3.train ... --gym-packages sb3_adaptnet.zoo` imports this package; it registers the environments
 and makes rl_zoo3 use the native vector environment.
 """
 

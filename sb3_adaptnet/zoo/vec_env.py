@@ -13,14 +13,14 @@ from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
 class ZooVecEnv(AdaptVecEnv):
-    """``AdaptVecEnv`` made from a list of functions, like ``DummyVecEnv``: N functions stand for N worlds.
+    """`AdaptVecEnv` made from a list of functions, like `DummyVecEnv`: N functions stand for N worlds.
 
     Only the first is called, for its spec. More than one world means training: the first episodes' lengths are spread.
-    An environment that opens a window cannot be batched; it becomes a ``DummyVecEnv``.
+    An environment that opens a window cannot be batched; it becomes a `DummyVecEnv`.
     """
 
     def __new__(cls, env_fns: Sequence[Callable[[], gym.Env]], **env_kwargs: Any) -> VecEnv:  # type: ignore[misc]
-        """Choose between the native worlds and ``DummyVecEnv``."""
+        """Choose between the native worlds and `DummyVecEnv`."""
         single = env_fns[0]()
         single.close()
         if single.render_mode == "human":
@@ -28,10 +28,10 @@ class ZooVecEnv(AdaptVecEnv):
         return super().__new__(cls)
 
     def __init__(self, env_fns: Sequence[Callable[[], gym.Env]], **env_kwargs: Any) -> None:
-        """Make ``len(env_fns)`` worlds.
+        """Make `len(env_fns)` worlds.
 
         Raises:
-            ValueError: If the environment was not made from a registered id.
+            ValueError: if the environment was not made from a registered id.
         """
         single = env_fns[0]()
         spec = single.spec
@@ -45,11 +45,11 @@ class ZooVecEnv(AdaptVecEnv):
 
 
 def spec_of(env_id: str) -> EnvSpec:
-    """Spec of an id; the module that it may name ("module:id") is imported first, as ``gym.make`` does.
+    """Spec of an id; the module that it may name ("module:id") is imported first, as `gym.make` does.
 
     Raises:
-        ValueError: If there is no such module.
-        gymnasium.error.Error: If no such id is registered.
+        ValueError: if there is no such module.
+        gymnasium.error.Error: if no such id is registered.
     """
     module, _, name = env_id.rpartition(":")
     if module:
@@ -64,10 +64,10 @@ def training_ground(spec: EnvSpec, seed: int) -> dict[str, int]:
     """Environment arguments that give a training terrain and obstacles of its own; evaluation's come from seed 0.
 
     Args:
-        spec: The environment's; a terrain seed among its arguments stays.
-        seed: The training's, from 0.
+        spec: the environment's; a terrain seed among its arguments stays.
+        seed: the training's, from 0.
 
     Returns:
-        ``terrain_seed``, or nothing if it is set already or the environment is not of this suite.
+        `terrain_seed`, or nothing if it is set already or the environment is not of this suite.
     """
     return {"terrain_seed": seed + 1} if "task" in spec.kwargs and "terrain_seed" not in spec.kwargs else {}

@@ -108,7 +108,7 @@ def test_ramps_reach_worlds_behind_wrappers():
     for env in (DummyVecEnv([lambda: gym.make(PUSHES)]), AdaptVecEnv(PUSHES, num_envs=2, num_threads=1)):
         set_in_worlds(env, "push_scale", 0.25)
         assert env.get_attr("push_scale")[0] == 0.25
-        worlds = env.envs[0].unwrapped if isinstance(env, DummyVecEnv) else env.worlds.unwrapped
+        worlds = env.envs[0].unwrapped if isinstance(env, DummyVecEnv) else env.vector_env.unwrapped
         assert worlds.worlds.pushes.scale == 0.25
         env.close()
 
@@ -132,7 +132,7 @@ def test_trainings_draw_a_terrain_of_their_own():
     assert training_ground(chosen, 0) == {} == training_ground(gym.spec("CartPole-v1"), 0)
 
     def seed_of(env):
-        return env.worlds.unwrapped.worlds.spec.terrain_seed
+        return env.vector_env.unwrapped.worlds.spec.terrain_seed
 
     settings = RunSettings(hills.id, samples=1, seed=3, n_envs=2, threads=1)
     trained = [

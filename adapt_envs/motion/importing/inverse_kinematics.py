@@ -1,6 +1,5 @@
 """Inverse kinematics: the configuration within the joint limits that best follows a draft and its foot targets."""
 
-from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import mink
@@ -9,6 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from adapt_envs.model.humanoid import FEET
 from adapt_envs.motion.importing.draft import Array, Draft, character, joint_names
+from adapt_envs.progress import Progress
 
 _STEPS = 3
 """Quadratic programs solved per frame; each frame starts from the one before."""
@@ -25,8 +25,6 @@ _ROOT_SMOOTHING = 3.0
 _MARGIN = 0.01
 """Distance from the joint limits [rad]: single precision and interpolation must not cross them."""
 _LEG = ("hip", "knee", "ankle")
-
-Progress = Callable[[Iterable[int]], Iterable[int]]
 
 
 def settled(draft: Draft, progress: Progress = iter) -> Array:

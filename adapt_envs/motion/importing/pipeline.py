@@ -9,11 +9,12 @@ from adapt_envs.motion.importing.bvh import read_bvh
 from adapt_envs.motion.importing.draft import Array, Draft, joint_names, resampled
 from adapt_envs.motion.importing.files import read_text
 from adapt_envs.motion.importing.gait_cycle import closed, find_cycle, repeated
-from adapt_envs.motion.importing.inverse_kinematics import Progress, settled
+from adapt_envs.motion.importing.inverse_kinematics import settled
 from adapt_envs.motion.importing.official_json import read_official_json
 from adapt_envs.motion.importing.planted_feet import grounded, planted
 from adapt_envs.motion.importing.retarget import retarget
 from adapt_envs.motion.importing.skeletons import read_map, recognise
+from adapt_envs.progress import Progress
 
 SUFFIXES = (".bvh", ".json")
 """Extensions of the files that can be imported."""

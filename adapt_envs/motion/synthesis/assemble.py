@@ -12,7 +12,7 @@ from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.dynamics import GRAVITY, momentum
 from adapt_envs.motion.synthesis.balance import centre_of_mass, height_plan, zmp_plan
 from adapt_envs.motion.synthesis.body import Course, hips, pelvis_frame, poses
-from adapt_envs.motion.synthesis.feet import FootPath, Steps, foot_path
+from adapt_envs.motion.synthesis.feet import FootPath, Footsteps, foot_path
 from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.legs import REACH
 
@@ -24,13 +24,13 @@ ORIGIN = "synthesised by adapt_envs.motion.synthesis"
 _PASSES, _LOWERING_PASSES = 6, 3
 
 
-def gait_phase(steps: Steps, t: Array) -> Array:
+def gait_phase(steps: Footsteps, t: Array) -> Array:
     """Phase of the gait cycle (T,) [rad]: a smooth curve through the contacts'."""
     phase = PchipInterpolator(steps.on, steps.phase, extrapolate=True)(t)
     return gaussian_filter1d(phase, 0.05 / DT, mode="nearest")
 
 
-def body_motion(gait: Gait, steps: Steps, course: Course, t: Array) -> Array:
+def body_motion(gait: Gait, steps: Footsteps, course: Course, t: Array) -> Array:
     """Configurations (T, 35) every `DT`: the pelvis goes where the centre of mass can be carried.
 
     Each pass measures the centre of mass and the angular momentum of the motion so far, and moves the pelvis so that
@@ -106,6 +106,6 @@ def to_clip(name: str, qpos: Array, cyclic: bool) -> MotionClip:
     return MotionClip(name, qpos[::OVERSAMPLING], joint_names(), cyclic, ORIGIN)
 
 
-def both_feet(gait: Gait, steps: Steps, t: Array) -> tuple[FootPath, FootPath]:
+def both_feet(gait: Gait, steps: Footsteps, t: Array) -> tuple[FootPath, FootPath]:
     """Trajectories of the right and the left foot at times t (T,)."""
     return foot_path(gait, steps, 0, t), foot_path(gait, steps, 1, t)

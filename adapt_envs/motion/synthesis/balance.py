@@ -12,7 +12,7 @@ from scipy.linalg import solve_banded
 from scipy.ndimage import gaussian_filter1d
 
 from adapt_envs.motion.dynamics import GRAVITY
-from adapt_envs.motion.synthesis.feet import SOLE, Steps, hermite
+from adapt_envs.motion.synthesis.feet import SOLE, Footsteps, hermite
 from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.legs import REACH
 
@@ -21,7 +21,7 @@ _SETTLE = 0.35
 """Time to bring the weight to the middle when the character stops [s]."""
 
 
-def zmp_plan(gait: Gait, steps: Steps, t: Array) -> Array:
+def zmp_plan(gait: Gait, steps: Footsteps, t: Array) -> Array:
     """Planned zero-moment point (T, 2) [m] at times t (T,) [s], evenly spaced."""
     times, points = [], []
     for k in range(len(steps.on)):
@@ -39,13 +39,13 @@ def zmp_plan(gait: Gait, steps: Steps, t: Array) -> Array:
     return gaussian_filter1d(plan, 0.022 / (t[1] - t[0]), axis=0, mode="nearest")
 
 
-def _under(gait: Gait, steps: Steps, k: int, ahead: float) -> Array:
+def _under(gait: Gait, steps: Footsteps, k: int, ahead: float) -> Array:
     c, s = np.cos(steps.yaw[k]), np.sin(steps.yaw[k])
     inward = gait.inset * (1 if steps.side[k] == 0 else -1)
     return steps.pos[k] + ahead * np.array([c, s]) + inward * np.array([-s, c])
 
 
-def height_plan(gait: Gait, steps: Steps, t: Array) -> Array:
+def height_plan(gait: Gait, steps: Footsteps, t: Array) -> Array:
     """Planned height of the pelvis (T,) [m]: low in double support, high in mid-stance, or ballistic in flights."""
     gaps = steps.on[1:] - steps.off[:-1]
     if (gaps > 0.02).any():
@@ -85,7 +85,7 @@ _LEAD = 0.042
 """By how much the foot strikes farther ahead of the hip than half a step [m]: it does so before mid-step."""
 
 
-def _ballistic(gait: Gait, steps: Steps, t: Array) -> Array:
+def _ballistic(gait: Gait, steps: Footsteps, t: Array) -> Array:
     """Height with flights: free fall between contacts, a parabola of force (zero at its ends) during them."""
     begins, ends, firsts = _supports(steps)
     level = _landing_heights(steps, begins, ends, firsts) - gait.crouch
@@ -122,7 +122,7 @@ _LONG_STANCE = 0.45
 """Stances longer than this [s] are a landing and a take-off, shorter ones a bounce."""
 
 
-def _landing_heights(steps: Steps, begins: Array, ends: Array, firsts: NDArray[np.int64]) -> Array:
+def _landing_heights(steps: Footsteps, begins: Array, ends: Array, firsts: NDArray[np.int64]) -> Array:
     """Height of the pelvis (n,) [m] at which the landing leg reaches the ground ahead, from the speed of each step."""
     places = steps.pos[firsts]
     speed = np.linalg.norm(np.gradient(places, begins, axis=0), axis=1)
@@ -134,7 +134,7 @@ _LAND_UNDER = 0.06
 """How far farther under the body than half of its travel in stance the foot of a runner lands [m]."""
 
 
-def _supports(steps: Steps) -> tuple[Array, Array, NDArray[np.int64]]:
+def _supports(steps: Footsteps) -> tuple[Array, Array, NDArray[np.int64]]:
     """Beginnings and ends of the times on the ground, and the first contact of each."""
     begins, ends, firsts = [steps.on[0]], [steps.off[0]], [0]
     for k in range(1, len(steps.on)):

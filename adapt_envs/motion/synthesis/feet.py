@@ -31,7 +31,7 @@ class FootPath:
 
 
 @dataclass(frozen=True)
-class Steps:
+class Footsteps:
     """Contacts of the feet with the ground in the order of their beginnings; arrays of length n.
 
     Attributes:
@@ -93,7 +93,7 @@ _PUSH_RATE = 1.9
 """Slope of the heel's rise at toe-off, over its mean."""
 
 
-def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> FootPath:
+def foot_path(gait: Gait, steps: Footsteps, side: int, t: Array) -> FootPath:
     """Path of the foot of one side (0 right, 1 left) at times t (T,)."""
     pos, yaw, pitch, stretch = np.zeros((len(t), 3)), np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     strike, push = np.radians(gait.strike[side]), np.radians(gait.push[side])
@@ -118,12 +118,12 @@ def foot_path(gait: Gait, steps: Steps, side: int, t: Array) -> FootPath:
     return FootPath(pos, yaw, pitch, stretch)
 
 
-def _place(steps: Steps, k: int, ahead: Array, height: Array) -> Array:
+def _place(steps: Footsteps, k: int, ahead: Array, height: Array) -> Array:
     direction = np.array([np.cos(steps.yaw[k]), np.sin(steps.yaw[k])])
     return np.column_stack([steps.pos[k] + ahead[:, None] * direction, height])
 
 
-def _swing(gait: Gait, steps: Steps, k: int, following: int, rise: float, t: Array) -> FootPath:
+def _swing(gait: Gait, steps: Footsteps, k: int, following: int, rise: float, t: Array) -> FootPath:
     side = int(steps.side[k])
     off, on = steps.off[k], steps.on[following]
     span = on - off

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.motion.clip import FPS
-from adapt_envs.motion.synthesis.feet import Steps
+from adapt_envs.motion.synthesis.feet import Footsteps
 from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.path import Path
 
@@ -15,7 +15,7 @@ _SWING_TURN = np.radians(70)
 """Largest difference of yaw between consecutive feet."""
 
 
-def cyclic_steps(gait: Gait, repeats: int) -> Steps:
+def cyclic_steps(gait: Gait, repeats: int) -> Footsteps:
     """Contacts of `repeats` periods of a style, straight ahead along x; the first strike is the right foot's."""
     half = gait.frames / FPS / gait.cycles / 2
     n = 2 * gait.cycles * repeats + 2
@@ -27,10 +27,10 @@ def cyclic_steps(gait: Gait, repeats: int) -> Steps:
     pos = np.column_stack([np.cumsum(length), sign * gait.width / 2])
     yaw = np.radians(gait.toe_out) * sign
     off = _offs(on, np.full(n, gait.double) * lasts)
-    return Steps(side, pos, yaw, on, off, _phases(n))
+    return Footsteps(side, pos, yaw, on, off, _phases(n))
 
 
-def skipping_steps(gait: Gait, repeats: int) -> Steps:
+def skipping_steps(gait: Gait, repeats: int) -> Footsteps:
     """Contacts of a skip: each foot steps, hops and lands on itself, then the other one steps.
 
     A foot's two places lie where the body is in the middle of its two times on the ground.
@@ -48,7 +48,7 @@ def skipping_steps(gait: Gait, repeats: int) -> Steps:
     middle = np.column_stack([start + (overlap + hop_off) / 2, start + (hop_on + half) / 2]).ravel()
     speed = sum(gait.length) / 2 / half
     pos = np.column_stack([speed * middle, sign * gait.width / 2])
-    return Steps(side, pos, np.radians(gait.toe_out) * sign, on, off, np.pi * on / half)
+    return Footsteps(side, pos, np.radians(gait.toe_out) * sign, on, off, np.pi * on / half)
 
 
 def _phases(n: int) -> Array:
@@ -63,7 +63,7 @@ def _offs(on: Array, overlap: Array) -> Array:
     return off
 
 
-def path_steps(gait: Gait, path: Path, seed: int, walking: bool) -> Steps:
+def path_steps(gait: Gait, path: Path, seed: int, walking: bool) -> Footsteps:
     """Contacts along a path with human variation in timing, length and width (2.5 %, 3.5 %, 16 %)."""
     rng = np.random.default_rng(seed)
     on, lifts = _timing(gait, path, rng, walking)
@@ -86,7 +86,7 @@ def path_steps(gait: Gait, path: Path, seed: int, walking: bool) -> Steps:
     for k in range(1, n):
         yaw[k] = yaw[k - 1] + np.clip(yaw[k] - yaw[k - 1], -_SWING_TURN, _SWING_TURN)
         pos[k] = _within_step(pos[k - 1], pos[k], (yaw[k - 1], yaw[k]), sign[k], walking)
-    return Steps(side, pos, yaw, on, off, _phases(n))
+    return Footsteps(side, pos, yaw, on, off, _phases(n))
 
 
 def _within_step(before: Array, pos: Array, yaws: tuple[float, float], sign: float, walking: bool) -> Array:

@@ -21,13 +21,13 @@ def use_precision(name: str, device: torch.device | str = "cpu") -> str:
     Args:
         name: "fp32", "medium" (fp32 whose products may use bfloat16 inside), "bf16" (bfloat16 autocast around the
             trunk; heads and log-probabilities stay fp32) or "auto" (bf16 where the device has it, else fp32).
-        device: Where the networks live.
+        device: where the networks live.
 
     Returns:
         "fp32", "medium" or "bf16": "bf16" falls back to "fp32" where the device lacks it.
 
     Raises:
-        ValueError: If the name is none of these.
+        ValueError: if the name is none of these.
     """
     if name not in (*PRECISIONS, "auto"):
         raise ValueError(f"unknown precision {name!r}; choose one of: {', '.join((*PRECISIONS, 'auto'))}")
@@ -39,7 +39,7 @@ def use_precision(name: str, device: torch.device | str = "cpu") -> str:
 
 
 def autocast(device: torch.device | str, precision: str) -> AbstractContextManager:
-    """Context in which the products of a network run in ``precision``."""
+    """Context in which the products of a network run in `precision`."""
     if precision != "bf16":
         return nullcontext()
     return torch.autocast(torch.device(device).type, dtype=torch.bfloat16)

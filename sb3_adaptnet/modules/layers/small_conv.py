@@ -76,6 +76,6 @@ def _scattered(grads: torch.Tensor, shape: torch.Size, kernel: int, stride: int)
 def relu_conv(grid: torch.Tensor, conv: nn.Conv2d) -> torch.Tensor:
     """ReLU6 of `conv`, a convolution without padding and with equal strides, of grids (B, H, W, C): (B, h, w, O).
 
-    It computes in the grid's type and equals ``relu6(conv(...))`` up to rounding.
+    It computes in the grid's type and equals `relu6(conv(...))` up to rounding.
     """
     return _ReluConv.apply(grid, conv.weight, conv.bias, conv.stride[0])

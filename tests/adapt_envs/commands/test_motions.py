@@ -13,7 +13,7 @@ from adapt_envs.commands import motions
 from adapt_envs.motion.clip import MotionClip, MotionError
 from adapt_envs.motion.importing.draft import joint_names
 from adapt_envs.motion.library import CLIPS
-from adapt_envs.motion.quality import BARS
+from adapt_envs.motion.quality import THRESHOLDS
 from adapt_envs.motion.synthesis.styles import GAITS
 
 FIELDS = {
@@ -84,7 +84,7 @@ def test_check_holds_files_to_the_bars_asked_for(stand, capsys):
     with pytest.raises(SystemExit):
         call("check", "--kind", "lying", str(stand))
     refusal = capsys.readouterr().err
-    assert all(kind in refusal for kind in BARS)
+    assert all(kind in refusal for kind in THRESHOLDS)
 
 
 def test_check_takes_motion_files_as_they_are(tmp_path, capsys):

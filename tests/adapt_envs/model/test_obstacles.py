@@ -48,7 +48,7 @@ def test_lanes_are_free_and_blocks_cannot_be_stepped_over():
 def test_targets_lie_in_no_block_and_inside_their_patch():
     worlds, rng = WORLDS.worlds, np.random.default_rng(0)
     for _ in range(30):
-        worlds.goals.draw(np.arange(256), worlds.root_xy, worlds.root_heading, rng)
+        worlds.goals.sample(np.arange(256), worlds.root_xy, worlds.root_heading, rng)
         target = worlds.goals.target.astype(float)
         assert (GROUND.height_at(target) == 0).all()
         around = target[:, None] + (TARGET_MARGIN - 0.01) * np.array([(1, 0), (-1, 0), (0, 1), (0, -1)])

@@ -107,7 +107,7 @@ def test_goals_stay_three_metres_inside_their_patch(worlds):
     ids, rng = np.arange(256), np.random.default_rng(0)
     centres = worlds.ground.patches.centres_1d
     for _ in range(20):
-        worlds.goals.draw(ids, worlds.root_xy, worlds.root_heading, rng)
+        worlds.goals.sample(ids, worlds.root_xy, worlds.root_heading, rng)
         target = worlds.goals.target
         offset = np.abs(target[..., None] - centres).min(axis=-1)
         assert offset.max() <= PATCH / 2 - INSET + 1e-4

@@ -8,7 +8,7 @@ from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.dynamics import momentum
-from adapt_envs.motion.quality import BARS, check, foot_corners, slip_speeds, support_distance
+from adapt_envs.motion.quality import THRESHOLDS, check, foot_corners, slip_speeds, support_distance
 from adapt_envs.motion.synthesis import GAITS
 
 STANDING = 0.881416
@@ -118,4 +118,4 @@ def test_distance_to_the_support_polygon_by_hand():
 def test_unknown_kind_lists_the_valid_ones(model):
     with pytest.raises(ValueError, match="'crawl'.*walk"):
         check(clip_of(model, still(model)), "crawl")
-    assert {gait.kind for gait in GAITS.values()} <= set(BARS)
+    assert {gait.kind for gait in GAITS.values()} <= set(THRESHOLDS)

@@ -8,7 +8,7 @@ from adapt_envs import env_id, make_vector
 from adapt_envs.features import rotations
 from adapt_envs.simulation.worlds import Worlds
 from adapt_envs.suite import SUITE, preferred_speeds
-from adapt_envs.tasks.goal import draw_targets, goal_observation, goal_reward
+from adapt_envs.tasks.goal import goal_observation, goal_reward, targets_ahead
 from adapt_envs.tasks.termination import DIVERGED, ENDS, FALL, LOST, TIME, ends
 
 
@@ -32,7 +32,7 @@ def test_goal_observation_by_hand():
 
 
 def test_targets_lie_as_far_as_one_gets():
-    target = draw_targets(np.array([[1.0, 1.0]]), np.array([np.pi / 2]), np.array([1.2]), np.array([4.0]))
+    target = targets_ahead(np.array([[1.0, 1.0]]), np.array([np.pi / 2]), np.array([1.2]), np.array([4.0]))
     assert np.allclose(target, [[1, 5.8]])
 
 

@@ -8,7 +8,7 @@ import pytest
 from evaluation_cases import STOOP, save_tiny_adaptation, save_tiny_base
 
 from sb3_adaptnet.commands.main import main
-from sb3_adaptnet.commands.policy_options import add_options, open_actor, open_policy, shared_out, styles_of
+from sb3_adaptnet.commands.policy_options import add_options, open_from_options, open_policy, shared_out, styles_of
 from sb3_adaptnet.evaluation.figures import Figures
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import paragraph, table, text_table, write_page
@@ -103,8 +103,8 @@ def test_figures_and_sheets_are_headed_by_what_acts(tiny, words, title):
         words = [text.replace(word, file) for text in words]
     parser = argparse.ArgumentParser()
     add_options(parser)
-    actor = open_actor(parser.parse_args([*words, "--env", STOOP, "--threads", "1"]), 1)
-    assert actor.title == title.replace("base", tiny[0].stem)
+    loaded = open_from_options(parser.parse_args([*words, "--env", STOOP, "--threads", "1"]), 1)
+    assert loaded.title == title.replace("base", tiny[0].stem)
 
 
 def test_words_of_a_blend():

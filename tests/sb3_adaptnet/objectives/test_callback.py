@@ -109,7 +109,7 @@ def test_an_objective_that_the_environment_rewards_itself():
     env = AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", 4, num_threads=1)
     callback = DiscriminatorRewardCallback({"goal": 0.6, "footing": 0.4})
     seen = []
-    check = Check(lambda model: seen.append((callback.rollout.rewards["footing"][-1].copy(), env.worlds.footing)))
+    check = Check(lambda model: seen.append((callback.rollout.rewards["footing"][-1].copy(), env.vector_env.footing)))
     make_model(env).learn(16 * 4 * 2, callback=[callback, check])
     assert len(seen) == 2
     for kept, latest in seen:
@@ -268,7 +268,7 @@ def test_a_ramp_moves_an_attribute_with_the_samples():
     env, seen = AdaptVecEnv(ToyVectorEnv(4)), []
     ramp = AttributeRamp("drift", 0.2, 0.1, samples=128)
     model = make_model(env)
-    model.learn(64 * 4, callback=[ramp, Check(lambda _: seen.append(env.worlds.drift))])
+    model.learn(64 * 4, callback=[ramp, Check(lambda _: seen.append(env.vector_env.drift))])
     assert seen == pytest.approx([0.2, 0.15, 0.1, 0.1])
     with pytest.raises(ValueError, match="positive.*0"):
         AttributeRamp("drift", 0.0, 1.0, samples=0)

@@ -1,11 +1,11 @@
-"""SteeredAdam: two learning rates that Stable-Baselines3's overwriting leaves alone."""
+"""ScaledAdam: two learning rates that Stable-Baselines3's overwriting leaves alone."""
 
 import pytest
 import torch
 from stable_baselines3.common.utils import update_learning_rate
 
-from sb3_adaptnet.objectives.kl_step_size import steer
-from sb3_adaptnet.policies.scaled_adam import SteeredAdam
+from sb3_adaptnet.objectives.kl_step_size import next_step_size
+from sb3_adaptnet.policies.scaled_adam import ScaledAdam
 
 
 def parameters():
@@ -22,7 +22,7 @@ def give_gradients(params, seed):
 @pytest.mark.parametrize("fused", [False, True])
 def test_equals_adam_with_two_learning_rates(fused):
     ours, theirs = parameters(), parameters()
-    steered = SteeredAdam([{"params": ours[:1], "lr_scale": 0.2}, {"params": ours[1:], "lr_scale": 3.0}], fused=fused)
+    steered = ScaledAdam([{"params": ours[:1], "lr_scale": 0.2}, {"params": ours[1:], "lr_scale": 3.0}], fused=fused)
     plain = torch.optim.Adam([{"params": theirs[:1], "lr": 2e-4}, {"params": theirs[1:], "lr": 3e-3}])
     for seed in range(5):
         update_learning_rate(steered, 1e-3)  # as PPO does before every update
@@ -36,25 +36,25 @@ def test_equals_adam_with_two_learning_rates(fused):
 
 
 def test_scale_is_saved_and_restored():
-    first = SteeredAdam([{"params": parameters(), "name": "actor", "lr_scale": 0.5}], lr=1e-3)
+    first = ScaledAdam([{"params": parameters(), "name": "actor", "lr_scale": 0.5}], lr=1e-3)
     first.group("actor")["lr_scale"] = 0.125
-    second = SteeredAdam([{"params": parameters(), "name": "actor"}], lr=1e-3)
+    second = ScaledAdam([{"params": parameters(), "name": "actor"}], lr=1e-3)
     assert second.group("actor")["lr_scale"] == 1.0
     second.load_state_dict(first.state_dict())
     assert second.group("actor")["lr_scale"] == 0.125
 
 
 def test_unknown_group_lists_the_known_ones():
-    optimizer = SteeredAdam([{"params": parameters(), "name": "critic"}])
+    optimizer = ScaledAdam([{"params": parameters(), "name": "critic"}])
     with pytest.raises(KeyError, match="actor.*critic"):
         optimizer.group("actor")
 
 
-def test_steering():
+def test_the_step_size_follows_the_kl():
     bounds, kl_range = (1e-5, 1e-3), (0.012, 0.03)
-    assert steer(1e-4, 0.02, kl_range, bounds) == 1e-4
-    assert steer(1e-4, 0.04, kl_range, bounds) == pytest.approx(1e-4 / 1.5)
-    assert steer(1e-4, 0.01, kl_range, bounds) == pytest.approx(1.5e-4)
-    assert steer(1e-4, float("nan"), kl_range, bounds) == pytest.approx(1e-4 / 1.5)
-    assert steer(1e-3, 0.0, kl_range, bounds) == 1e-3
-    assert steer(1e-5, 9.0, kl_range, bounds) == 1e-5
+    assert next_step_size(1e-4, 0.02, kl_range, bounds) == 1e-4
+    assert next_step_size(1e-4, 0.04, kl_range, bounds) == pytest.approx(1e-4 / 1.5)
+    assert next_step_size(1e-4, 0.01, kl_range, bounds) == pytest.approx(1.5e-4)
+    assert next_step_size(1e-4, float("nan"), kl_range, bounds) == pytest.approx(1e-4 / 1.5)
+    assert next_step_size(1e-3, 0.0, kl_range, bounds) == 1e-3
+    assert next_step_size(1e-5, 9.0, kl_range, bounds) == 1e-5

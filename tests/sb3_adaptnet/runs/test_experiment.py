@@ -11,10 +11,10 @@ from toy_zoo import TOY, conf, run_command
 
 from adapt_envs import SUITE, env_id
 from sb3_adaptnet import FinetunePolicy, PretrainPolicy, callbacks, hyperparameters
-from sb3_adaptnet.runs.experiment import experiment
-from sb3_adaptnet.objectives.schedule import value_at
-from sb3_adaptnet.weights.shipped import zoo_config_path
 from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.objectives.schedule import value_at
+from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.weights.shipped import zoo_config_path
 
 # ---- YAML -----------------------------------------------------------------------------------------------------------
 

@@ -14,14 +14,14 @@ from toy_zoo import TOY, conf, run_command, settings
 from adapt_envs import env_id
 from adapt_envs.motion.library import load_clip
 from sb3_adaptnet import load_policy
-from sb3_adaptnet.runs.experiment import experiment
-from sb3_adaptnet.vec_env import AdaptVecEnv
-from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.commands.export import export
+from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.saver import restore, snapshot
 from sb3_adaptnet.runs.training import build_learner, resume, start
+from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
 def equal(a, b):

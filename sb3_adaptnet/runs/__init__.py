@@ -1,0 +1,1 @@
+"""Training runs: entries of the zoo, folders, checkpoints, curves."""
