@@ -1,61 +1,120 @@
-"""The imports follow the arrows: world below learner, data in one direction."""
+"""The rooms and their arrows: every module has a layer, imports go down, nothing goes round in circles."""
 
 import ast
+import graphlib
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 FILES = sorted([*ROOT.glob("adapt_envs/**/*.py"), *ROOT.glob("sb3_adaptnet/**/*.py")])
-MAY_SEE_THE_WORLD = ("sb3_adaptnet/vec_env.py", "sb3_adaptnet/zoo/", "sb3_adaptnet/evaluation/")
-LAYERS = (
-    ("adapt_envs/rotations.py", "adapt_envs/resources.py", "adapt_envs/headless.py", "adapt_envs/spaces.py"),
-    ("adapt_envs/model/",),
-    ("adapt_envs/kinematics.py", "adapt_envs/features.py", "adapt_envs/scene.py"),
-    ("adapt_envs/motion/", "adapt_envs/physics.py", "adapt_envs/tasks/"),
-    ("adapt_envs/suite.py",),
-    ("adapt_envs/worlds.py",),
-    ("adapt_envs/vector_env.py", "adapt_envs/env.py"),
-)
+
+LAYERS = """
+adapt_envs.assets  adapt_envs.tables  adapt_envs.spaces  adapt_envs.progress
+adapt_envs.model
+adapt_envs.features
+adapt_envs.tasks  adapt_envs.motion
+adapt_envs.motion.importing  adapt_envs.motion.synthesis
+adapt_envs.suite
+adapt_envs.simulation
+adapt_envs.drawing
+adapt_envs.vector_env
+adapt_envs.env
+adapt_envs.registration
+adapt_envs.commands
+adapt_envs
+sb3_adaptnet.openmp
+sb3_adaptnet.modules.layers
+sb3_adaptnet.modules
+sb3_adaptnet.modules.adaptation
+sb3_adaptnet.weights
+sb3_adaptnet.policies  sb3_adaptnet.vec_env
+sb3_adaptnet.objectives
+sb3_adaptnet.runs
+sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo
+sb3_adaptnet
+sb3_adaptnet.commands
+"""
+"""Rooms, lowest first. A room imports from the layers below it, and from itself."""
+LAYER_OF = {room: layer for layer, rooms in enumerate(LAYERS.split("\n")) for room in rooms.split()}
+MAY_SEE_THE_WORLD = {f"sb3_adaptnet.{room}" for room in ("vec_env", "evaluation", "runs", "play", "commands", "zoo")}
+LEARNING = {"torch", "sb3_adaptnet", "stable_baselines3", "rl_zoo3"}
+MOST_LINES, LONGEST_FUNCTION, MOST_MODULES = 250, 60, 14
+TOP_LEVEL = {"adapt_envs": 10, "sb3_adaptnet": 4}
 
 
-def imported_modules(path):
-    tree = ast.parse(path.read_text())
-    for node in ast.walk(tree):
+def module_name(path):
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+MODULES = {module_name(path): path for path in FILES}
+
+
+def room_of(module):
+    """The room a module is in: a folder, or a file at the top of a package."""
+    folder = module if MODULES[module].name == "__init__.py" else module.rpartition(".")[0]
+    return module if folder in ("adapt_envs", "sb3_adaptnet") else folder
+
+
+def imported_by(module):
+    """Every module, ours or not, that a file imports, wherever the statement stands."""
+    for node in ast.walk(ast.parse(MODULES[module].read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            yield node.module or ""
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            yield from (name if name in MODULES else node.module for name in names)
 
 
-def layer_of(name):
-    return next((i for i, names in enumerate(LAYERS) if any(name.startswith(part) for part in names)), None)
+@pytest.mark.parametrize("module", MODULES)
+def test_every_module_has_a_layer_and_imports_from_below(module):
+    room = room_of(module)
+    assert room in LAYER_OF, f"{room} has no layer: put it into LAYERS"
+    for other in map(room_of, set(imported_by(module)) & set(MODULES)):
+        assert other == room or LAYER_OF[other] < LAYER_OF[room], f"{module} imports {other}, which is not below it"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_imports_follow_the_arrows(path):
-    name = path.relative_to(ROOT).as_posix()
-    modules = set(imported_modules(path))
-    tops = {module.split(".")[0] for module in modules}
-    if name.startswith("adapt_envs/"):
-        assert not tops & {"torch", "sb3_adaptnet", "stable_baselines3", "rl_zoo3"}
-    elif not name.startswith(MAY_SEE_THE_WORLD):
-        assert "adapt_envs" not in tops, f"only {', '.join(MAY_SEE_THE_WORLD)} may import adapt_envs"
-    own = layer_of(name)
-    if own is not None:
-        paths = [module.replace(".", "/") for module in modules]
-        seen = {layer_of(f"{path}/") or layer_of(f"{path}.py") for path in paths}
-        assert all(other is None or other <= own for other in seen), f"{name} imports from a layer above it"
+def test_every_layer_has_modules():
+    assert set(LAYER_OF) == {room_of(module) for module in MODULES}
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_the_world_knows_no_learner_and_networks_no_framework(module):
+    tops = {name.split(".")[0] for name in imported_by(module)}
+    if module.startswith("adapt_envs"):
+        assert not tops & LEARNING
+    elif not any(module == room or module.startswith(f"{room}.") for room in MAY_SEE_THE_WORLD):
+        assert "adapt_envs" not in tops, f"only {', '.join(sorted(MAY_SEE_THE_WORLD))} may import adapt_envs"
+    if module.startswith("sb3_adaptnet.modules"):
+        assert not tops & {"stable_baselines3", "gymnasium", "rl_zoo3"}
+
+
+def test_no_imports_go_round_in_circles():
+    graph = {module: set(imported_by(module)) & set(MODULES) - {module} for module in MODULES}
+    assert len([*graphlib.TopologicalSorter(graph).static_order()]) == len(MODULES)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_files_and_functions_stay_short(path):
     source = path.read_text()
-    assert source.count("\n") <= 400
+    assert source.count("\n") <= MOST_LINES
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.FunctionDef):
             # A docstring may be as long as it needs to be.
             body = node.body[1:] if ast.get_docstring(node) else node.body
             first = body[0].lineno if body else node.lineno
-            assert (node.end_lineno or first) - first < 60, f"{path.name}:{node.lineno} {node.name}"
+            assert (node.end_lineno or first) - first < LONGEST_FUNCTION, f"{path.name}:{node.lineno} {node.name}"
+
+
+def test_folders_can_be_seen_at_a_glance():
+    for folder in {path.parent for path in FILES}:
+        modules = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
+        assert len(modules) <= MOST_MODULES, f"{folder.relative_to(ROOT)} holds {len(modules)} modules"
+    for package, most in TOP_LEVEL.items():
+        assert len([path for path in (ROOT / package).iterdir() if path.is_file()]) <= most
+
+
+def test_tests_lie_where_their_rooms_lie():
+    for path in ROOT.glob("tests/*/**/*.py"):
+        folder = path.parent.relative_to(ROOT / "tests")
+        assert (ROOT / folder).is_dir(), f"{path.relative_to(ROOT)} mirrors no folder"
