@@ -37,6 +37,11 @@ def rotate(q: Array, v: Array) -> Array:
     return v + q[..., :1] * t + np.cross(xyz, t)
 
 
+def placed(pos: Array, quat: Array, points: Array) -> Array:
+    """Points (..., P, 3) of frames that lie at `pos` (..., 3), turned by `quat` (..., 4), in the world (broadcast)."""
+    return pos[..., None, :] + rotate(quat[..., None, :], points)
+
+
 def from_axis_angle(axis: Array, angle: Array) -> Array:
     """Quaternions (..., 4) of turns by `angle` (...) in radians about the unit vectors `axis` (..., 3)."""
     half = np.asarray(angle)[..., None] / 2

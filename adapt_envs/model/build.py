@@ -1,6 +1,7 @@
 """The only place that compiles a model: character, ground and contact sensors put together."""
 
 from collections.abc import Sequence
+from functools import cache
 
 import mujoco
 
@@ -58,3 +59,9 @@ def compile_model(
     (Ground() if ground is None else ground).add_to(spec, friction)
     add_fall_sensors(spec)
     return spec.compile()
+
+
+@cache
+def plain_model() -> mujoco.MjModel:
+    """The plain character on flat, endless ground; everybody shares it, so nobody may change it."""
+    return compile_model()

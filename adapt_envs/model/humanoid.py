@@ -1,6 +1,7 @@
 """The character: its links, joints and servo gains, and its `MjSpec` on a plain ground."""
 
 import math
+from functools import cache
 
 import mujoco
 
@@ -19,6 +20,8 @@ LINKS = (
 """The 15 links in the order of the observation."""
 FEET = ("right_foot", "left_foot")
 """The only links that may touch the ground."""
+FOOT_LINKS = tuple(LINKS.index(foot) for foot in FEET)
+"""Their numbers in `LINKS`: right, left."""
 
 _GAINS = {
     "abdomen": (600.0, 60.0),
@@ -52,6 +55,12 @@ def load_spec() -> mujoco.MjSpec:
 def hinges(spec: mujoco.MjSpec) -> list[mujoco.MjsJoint]:
     """The actuated joints of a character in the model's order (all but the free root)."""
     return [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_HINGE]
+
+
+@cache
+def joint_names() -> tuple[str, ...]:
+    """The plain character's 28 joints in the order of a configuration and of an action."""
+    return tuple(joint.name for joint in hinges(load_spec()))
 
 
 def add_servos(spec: mujoco.MjSpec) -> None:

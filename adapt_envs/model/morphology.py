@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.model.humanoid import FEET
+from adapt_envs.model.soles import sole_corners
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,8 @@ def reshape(spec: mujoco.MjSpec, morphology: Morphology) -> None:
         _scale(spec, SEGMENTS[name], factor)
     for name, factor in morphology.length.items():
         _stretch(spec, SEGMENTS[name], factor)
-    spec.body("pelvis").pos[2] = -min(_sole_below_pelvis(spec, foot) for foot in FEET)
+    soles = sole_corners(spec)[:, 0, 2]
+    spec.body("pelvis").pos[2] = -min(_over_pelvis(spec, foot, sole) for foot, sole in zip(FEET, soles, strict=True))
 
 
 def _scale(spec: mujoco.MjSpec, segment: Segment, factor: float) -> None:
@@ -146,10 +148,9 @@ def _place(geom: mujoco.MjsGeom, ends: NDArray[np.float64]) -> None:
     geom.pos = np.zeros(3) if axis else ends[0]
 
 
-def _sole_below_pelvis(spec: mujoco.MjSpec, foot: str) -> float:
-    """Height [m] of a foot's sole over the pelvis' origin in the rest pose; negative."""
-    geom, body = spec.geom(foot), spec.body(foot)
-    height = float(geom.pos[2] - geom.size[2])
+def _over_pelvis(spec: mujoco.MjSpec, link: str, height: float) -> float:
+    """Height [m] over the pelvis' origin, in the rest pose, of what is at `height` [m] in a link's frame."""
+    body = spec.body(link)
     while body.name != "pelvis":
         height += float(body.pos[2])
         body = body.parent

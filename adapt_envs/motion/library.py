@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from adapt_envs.assets import asset_path
 from adapt_envs.features.heading_frame import WINDOW_FRAMES, heading_frame_features, pose_windows
 from adapt_envs.features.kinematics import Kinematics
-from adapt_envs.model.build import build_character, compile_model
+from adapt_envs.model.build import build_character, compile_model, plain_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.model.morphology import Morphology
+from adapt_envs.model.soles import lowest_corner
 from adapt_envs.motion.clip import MotionClip, MotionError, velocities
 
 BASES = ("walk", "run")
@@ -114,8 +115,7 @@ class ReferenceMotion:
     @cached_property
     def _qpos(self) -> NDArray[np.float64]:
         qpos = self._clip_qpos[:, self._columns(7)]
-        lift = _lowest_foot(_plain_model(), self._clip_qpos) - _lowest_foot(self.model, qpos)
-        qpos[:, 2] += lift
+        qpos[:, 2] += _lowest_foot(plain_model(), self._clip_qpos) - _lowest_foot(self.model, qpos)
         return qpos
 
     @cached_property
@@ -132,7 +132,7 @@ class ReferenceMotion:
 
     @cached_property
     def _windows(self) -> NDArray[np.float32]:
-        links = Kinematics(_plain_model()).link_states(self._clip_qpos, self._clip_qvel)
+        links = Kinematics(plain_model()).link_states(self._clip_qpos, self._clip_qvel)
         return pose_windows(heading_frame_features(links[self._valid[:, None] + np.arange(-_PAST, 1)]))
 
     @property
@@ -191,22 +191,6 @@ def _reference_motion(version: _Version, morphology: Morphology | None, locked: 
     return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)))
 
 
-@lru_cache(maxsize=1)
-def _plain_model() -> mujoco.MjModel:
-    return compile_model()
-
-
 def _lowest_foot(model: mujoco.MjModel, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(T,) height [m] of the lowest corner of the feet's boxes in configurations (T, nq)."""
-    links = Kinematics(model).link_states(qpos)
-    lowest = np.full(len(qpos), np.inf)
-    for geom in range(model.ngeom):
-        if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_BOX or not model.geom(geom).name.endswith("foot"):
-            continue
-        link = links[:, model.geom_bodyid[geom] - 1]
-        w, x, y, z = link[:, 3:7].T
-        # Third row of the rotation matrix: how much each local axis adds to the height.
-        up = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)
-        centre = link[:, 2] + up @ model.geom_pos[geom]
-        lowest = np.minimum(lowest, centre - np.abs(up) @ model.geom_size[geom])
-    return lowest
+    """(T,) height [m] of the lowest corner of the feet in configurations (T, nq)."""
+    return lowest_corner(model, Kinematics(model).link_states(qpos))

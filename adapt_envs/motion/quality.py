@@ -1,13 +1,13 @@
 """How possible a motion is: sliding, sinking, limits, balance, forces and flights, measured from its configurations."""
 
-from dataclasses import asdict, dataclass
-from functools import cache
+from dataclasses import asdict, dataclass, replace
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs.model.build import compile_model
+from adapt_envs.features import rotations
+from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import CONTROL_DT, FEET
 from adapt_envs.model.soles import TOUCHING, sole_corners
 from adapt_envs.motion.clip import FPS, MotionClip
@@ -18,6 +18,8 @@ _SUPPORT_MARGIN = 0.05
 """A zero-moment point this near to the support polygon counts as inside [m]."""
 _UNLOADED = 0.1
 """Below this share of the weight the zero-moment point means nothing."""
+_LIMIT_TOLERANCE = 0.01
+"""Largest excess over a joint's range [deg] that every kind of motion may have."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +86,6 @@ class Quality:
         return asdict(self)
 
 
-@cache
-def _character() -> mujoco.MjModel:
-    return compile_model()
-
-
 def check(clip: MotionClip, kind: str = "walk") -> Quality:
     """Measure a clip and compare it with the thresholds of its kind.
 
@@ -97,7 +94,7 @@ def check(clip: MotionClip, kind: str = "walk") -> Quality:
     """
     if kind not in THRESHOLDS:
         raise ValueError(f"no quality thresholds for kind {kind!r}; the kinds are {', '.join(THRESHOLDS)}")
-    thresholds, model = THRESHOLDS[kind], _character()
+    thresholds, model = THRESHOLDS[kind], plain_model()
     frames = np.arange(-2, len(clip.qpos) + 1) if clip.cyclic else np.arange(len(clip.qpos))
     qpos = clip.at(frames)
     corners = foot_corners(model, qpos)
@@ -108,48 +105,49 @@ def check(clip: MotionClip, kind: str = "walk") -> Quality:
     flights = motion.com_acc[~grounded, 2]
     inside = support_distance(motion.zmp, inner)[grounded & (motion.force > _UNLOADED)] <= _SUPPORT_MARGIN
     low, high = np.percentile(motion.force, [2, 98])
-    values = {
-        "slip_median_cm_s": float(np.median(slip)) if len(slip) else None,
-        "slip_p90_cm_s": float(np.percentile(slip, thresholds.slip_percentile)) if len(slip) else None,
-        "penetration_cm": float(max(0.0, -100 * corners[..., 2].min())),
-        "limit_violation_deg": limit_violation(model, clip.qpos[:, 7:]),
-        "zmp_in_support": float(inside.mean()) if len(inside) else None,
-        "force_min": float(low),
-        "force_max": float(high),
-        "flight_g_error": abs(float(flights.mean()) + GRAVITY) / GRAVITY if len(flights) else None,
-    }
-    seconds = clip.period / FPS if clip.cyclic else clip.seconds
-    return Quality(clip.name, seconds, ok=_holds(thresholds, values), **values)  # type: ignore[arg-type]
-
-
-def _holds(thresholds: Thresholds, values: dict[str, float | None]) -> bool:
-    def at_most(name: str, bar: float | None) -> bool:
-        value = values[name]
-        return bar is None or (value is not None and value <= bar)
-
-    zmp, low, high = values["zmp_in_support"], values["force_min"], values["force_max"]
-    return bool(
-        at_most("slip_median_cm_s", thresholds.slip_median)
-        and at_most("slip_p90_cm_s", thresholds.slip_high)
-        and at_most("penetration_cm", thresholds.penetration)
-        and at_most("limit_violation_deg", 0.01)
-        and at_most("flight_g_error", thresholds.flight)
-        and (thresholds.zmp is None or (zmp is not None and zmp >= thresholds.zmp))
-        and (thresholds.force is None or (low >= thresholds.force[0] and high <= thresholds.force[1]))  # type: ignore[operator]
+    measured = Quality(
+        name=clip.name,
+        seconds=clip.period / FPS if clip.cyclic else clip.seconds,
+        slip_median_cm_s=float(np.median(slip)) if len(slip) else None,
+        slip_p90_cm_s=float(np.percentile(slip, thresholds.slip_percentile)) if len(slip) else None,
+        penetration_cm=float(max(0.0, -100 * corners[..., 2].min())),
+        limit_violation_deg=limit_violation(model, clip.qpos[:, 7:]),
+        zmp_in_support=float(inside.mean()) if len(inside) else None,
+        force_min=float(low),
+        force_max=float(high),
+        flight_g_error=abs(float(flights.mean()) + GRAVITY) / GRAVITY if len(flights) else None,
+        ok=False,
     )
+    return replace(measured, ok=_holds(thresholds, measured))
+
+
+def _holds(thresholds: Thresholds, measured: Quality) -> bool:
+    """Whether every threshold that applies is kept; a measure that is missing keeps none."""
+    zmp, force = measured.zmp_in_support, thresholds.force
+    return (
+        _at_most(measured.slip_median_cm_s, thresholds.slip_median)
+        and _at_most(measured.slip_p90_cm_s, thresholds.slip_high)
+        and _at_most(measured.penetration_cm, thresholds.penetration)
+        and _at_most(measured.limit_violation_deg, _LIMIT_TOLERANCE)
+        and _at_most(measured.flight_g_error, thresholds.flight)
+        and (thresholds.zmp is None or (zmp is not None and zmp >= thresholds.zmp))
+        and (force is None or (measured.force_min >= force[0] and measured.force_max <= force[1]))
+    )
+
+
+def _at_most(value: float | None, threshold: float | None) -> bool:
+    return threshold is None or (value is not None and value <= threshold)
 
 
 def foot_corners(model: mujoco.MjModel, qpos: Array) -> Array:
     """The eight lower corners of both feet's boxes (T, 8, 3) [m], world: four of the right foot, four of the left."""
-    data = mujoco.MjData(model)
-    local, bodies = sole_corners(model), [int(model.geom(name).bodyid[0]) for name in FEET]
-    corners = np.empty((len(qpos), 8, 3))
+    data, feet = mujoco.MjData(model), [model.body(name).id for name in FEET]
+    pos, quat = np.empty((len(qpos), 2, 3)), np.empty((len(qpos), 2, 4))
     for row, position in enumerate(qpos):
         data.qpos[:] = position
         mujoco.mj_kinematics(model, data)
-        for i, body in enumerate(bodies):
-            corners[row, 4 * i : 4 * i + 4] = data.xpos[body] + local[i] @ data.xmat[body].reshape(3, 3).T
-    return corners
+        pos[row], quat[row] = data.xpos[feet], data.xquat[feet]
+    return rotations.placed(pos, quat, sole_corners(model)).reshape(-1, 8, 3)
 
 
 def slip_speeds(corners: Array) -> Array:

@@ -6,9 +6,10 @@ from numpy.typing import NDArray
 
 from adapt_envs.features import rotations
 from adapt_envs.model.ground import Ground
-from adapt_envs.model.humanoid import FEET, LINKS
+from adapt_envs.model.humanoid import FOOT_LINKS
+from adapt_envs.model.soles import sole_grid
 
-_SOLE_ROWS, _SOLE_COLUMNS = 6, 4
+_SOLE_POINTS = 6, 4
 """Points of a sole along and across the foot, at which it must not sink into the ground: 4 cm apart at most."""
 
 Array = NDArray[np.floating]
@@ -53,22 +54,8 @@ def standing_lift(model: mujoco.MjModel, links: Array, ground: Ground) -> NDArra
     Returns:
         (n,) lift [m].
     """
-    soles = np.concatenate([_points(links[:, link], points) for link, points in _soles(model)], axis=1)
-    height = soles[..., 2]
-    return height.min(axis=1) - (height - ground.height_at(soles[..., :2])).min(axis=1)
-
-
-def _points(link: Array, points: Array) -> NDArray[np.float64]:
-    """Points (P, 3) of a link's frame in the world (n, P, 3)."""
-    return link[:, None, :3] + rotations.rotate(link[:, None, 3:7].astype(np.float64), points[None])
-
-
-def _soles(model: mujoco.MjModel) -> tuple[tuple[int, NDArray[np.float64]], ...]:
-    """For each foot its link's number and points (P, 3) of its sole in the link's frame."""
-    soles = []
-    for foot in FEET:
-        middle, half = model.geom(foot).pos, model.geom(foot).size
-        along, across = np.linspace(-1, 1, _SOLE_ROWS), np.linspace(-1, 1, _SOLE_COLUMNS)
-        x, y = (grid.ravel() for grid in np.meshgrid(along, across))
-        soles.append((LINKS.index(foot), middle + half * np.stack([x, y, np.full(x.size, -1)], axis=-1)))
-    return tuple(soles)
+    feet = links[:, FOOT_LINKS]
+    soles = sole_grid(model, *_SOLE_POINTS)
+    points = rotations.placed(feet[..., :3], feet[..., 3:7].astype(np.float64), soles)
+    height = points[..., 2]
+    return height.min(axis=(1, 2)) - (height - ground.height_at(points[..., :2])).min(axis=(1, 2))

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.features import rotations
-from adapt_envs.model.humanoid import CONTROL_DT, FEET, LINKS
+from adapt_envs.model.humanoid import CONTROL_DT, FOOT_LINKS
 from adapt_envs.model.soles import TOUCHING
 
 SLIP_SCALE = 0.15
@@ -22,8 +22,8 @@ def footing_reward(windows: NDArray[np.floating], corners: NDArray[np.float64]) 
         (N,) in (0, 1]: the mean over the feet of exp(-slip / 0.15 m/s), where the slip is the horizontal speed of the
         foot's lowest corner if it touches the ground before and after, else 0.
     """
-    feet = windows[:, -2:, [LINKS.index(foot) for foot in FEET]].astype(np.float64)
-    corners = feet[..., None, :3] + rotations.rotate(feet[..., None, 3:7], corners)
+    feet = windows[:, -2:, FOOT_LINKS].astype(np.float64)
+    corners = rotations.placed(feet[..., :3], feet[..., 3:7], corners)
     lowest = corners[:, 0, ..., 2].argmin(axis=-1)[..., None, None]
     before, after = (np.take_along_axis(corners[:, i], lowest, axis=2)[:, :, 0] for i in (0, 1))
     slip = np.linalg.norm((after - before)[..., :2], axis=-1) / CONTROL_DT

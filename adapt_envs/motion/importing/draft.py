@@ -1,9 +1,7 @@
 """A motion on its way to the character: poses that may break limits, and where the feet ought to be."""
 
 from dataclasses import dataclass, replace
-from functools import cache
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
@@ -11,8 +9,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from adapt_envs.features import rotations
 from adapt_envs.features.kinematics import Kinematics
-from adapt_envs.model.build import compile_model
-from adapt_envs.model.humanoid import FEET, LINKS
+from adapt_envs.model.build import plain_model
+from adapt_envs.model.humanoid import FOOT_LINKS, joint_names
 from adapt_envs.motion.clip import FPS
 
 Array = NDArray[np.floating]
@@ -57,19 +55,6 @@ class Draft:
         return Draft(qpos, rotations.rotate(turn, self.foot_pos), rotations.multiply(turn, self.foot_quat))
 
 
-@cache
-def character() -> mujoco.MjModel:
-    """The plain character that motions are fitted to."""
-    return compile_model()
-
-
-@cache
-def joint_names() -> tuple[str, ...]:
-    """The character's joints in the order of `qpos`."""
-    model = character()
-    return tuple(model.actuator(i).name for i in range(model.nu))
-
-
 def joint_columns(joint: str) -> list[int]:
     """Columns of `qpos` that hold a joint's angles: one hinge, or the three of `x`, `y`, `z`."""
     return [7 + i for i, name in enumerate(joint_names()) if name == joint or name[:-2] == joint and name[-2] == "_"]
@@ -77,8 +62,8 @@ def joint_columns(joint: str) -> list[int]:
 
 def from_poses(qpos: Array) -> Draft:
     """A draft whose feet are to be where its configurations put them."""
-    states = Kinematics(character()).link_states(qpos)
-    feet = states[:, [LINKS.index(name) for name in FEET]].astype(np.float64)
+    states = Kinematics(plain_model()).link_states(qpos)
+    feet = states[:, FOOT_LINKS].astype(np.float64)
     quat = feet[..., 3:7] / np.linalg.norm(feet[..., 3:7], axis=-1, keepdims=True)
     return Draft(qpos, feet[..., :3], quat)
 
@@ -131,7 +116,7 @@ def angles_within(quats: Array, joint: str) -> Array:
     """
     first = rotations.to_intrinsic_xyz(quats)
     second = np.stack([first[:, 0] + _PI, _PI - first[:, 1], first[:, 2] + _PI], axis=1)
-    model = character()
+    model = plain_model()
     ranges = np.array([model.jnt_range[model.joint(f"{joint}_{axis}").id] for axis in "xyz"])
     middle = ranges.mean(axis=1)
     sets = np.stack([middle + (angles - middle + _PI) % (2 * _PI) - _PI for angles in (first, second)], axis=1)

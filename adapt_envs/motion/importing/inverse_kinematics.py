@@ -6,8 +6,9 @@ import mink
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from adapt_envs.model.humanoid import FEET
-from adapt_envs.motion.importing.draft import Array, Draft, character, joint_names
+from adapt_envs.model.build import plain_model
+from adapt_envs.model.humanoid import FEET, joint_names
+from adapt_envs.motion.importing.draft import Array, Draft
 from adapt_envs.progress import Progress
 
 _STEPS = 3
@@ -46,7 +47,7 @@ def settled(draft: Draft, progress: Progress = iter) -> Array:
 
 
 def _solved(draft: Draft, root_costs: tuple[float, float], progress: Progress) -> Array:
-    model = character()
+    model = plain_model()
     low, high = _limits()
     limits = [mink.ConfigurationLimit(model, min_distance_from_limits=_MARGIN)]
     feet = [mink.FrameTask(name, "body", _FOOT_COST, _FOOT_TURN_COST) for name in FEET]
@@ -76,7 +77,7 @@ def _solved(draft: Draft, root_costs: tuple[float, float], progress: Progress) -
 
 
 def _limits() -> tuple[Array, Array]:
-    low, high = character().jnt_range[1:].T
+    low, high = plain_model().jnt_range[1:].T
     return low + _MARGIN, high - _MARGIN
 
 

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
+from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion.clip import MotionClip, MotionError
 from adapt_envs.motion.importing.bvh import read_bvh
-from adapt_envs.motion.importing.draft import Array, Draft, joint_names, resampled
+from adapt_envs.motion.importing.draft import Array, Draft, resampled
 from adapt_envs.motion.importing.files import read_text
 from adapt_envs.motion.importing.gait_cycle import closed, find_cycle, repeated
 from adapt_envs.motion.importing.inverse_kinematics import settled

@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.features import rotations
+from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import FEET
-from adapt_envs.motion.importing.draft import Array, Draft, character
+from adapt_envs.model.soles import sole_corners
+from adapt_envs.motion.clip import FPS
+from adapt_envs.motion.importing.draft import Array, Draft
 
 _NEAR = 0.04
 """Height [m] of the lowest corner below which a slow foot stands."""
@@ -25,18 +28,14 @@ _GROUND_QUANTILE = 0.15
 """Share of the frames whose lowest point may lie below the ground, before each is lifted by itself."""
 
 
-def sole_corners(pos: Array, quat: Array) -> Array:
-    """Corners (T, 2, 4, 3) of the soles of feet at `pos` (T, 2, 3), turned by `quat` (T, 2, 4)."""
-    model = character()
-    boxes = [model.geom(name).id for name in FEET]
-    signs = np.array([(x, y, -1.0) for x in (1, -1) for y in (1, -1)])
-    local = np.stack([model.geom_pos[box] + signs * model.geom_size[box] for box in boxes])
-    return pos[:, :, None] + rotations.rotate(quat[:, :, None], local[None])
+def corners_in_world(pos: Array, quat: Array) -> Array:
+    """Corners (T, 2, 4, 3) [m] of the soles of feet at `pos` (T, 2, 3), turned by `quat` (T, 2, 4)."""
+    return rotations.placed(pos, quat, sole_corners(plain_model()))
 
 
 def grounded(draft: Draft) -> Draft:
     """The draft moved up or down as a whole so that its feet stand on z = 0."""
-    lowest = sole_corners(draft.foot_pos, draft.foot_quat)[..., 2].min(axis=(1, 2))
+    lowest = corners_in_world(draft.foot_pos, draft.foot_quat)[..., 2].min(axis=(1, 2))
     return draft.moved(np.array([0.0, 0.0, -np.quantile(lowest, _GROUND_QUANTILE)]))
 
 
@@ -44,7 +43,7 @@ def planted(draft: Draft) -> Draft:
     """The draft with foot targets that neither sink, float nor slide while they stand; the rest stays."""
     pos = draft.foot_pos.copy()
     for side in range(len(FEET)):
-        corners = sole_corners(pos, draft.foot_quat)[:, side]
+        corners = corners_in_world(pos, draft.foot_quat)[:, side]
         stances = _runs(standing(corners))
         pos[:, side, :2] += _held(corners, stances)
         pos[:, side, 2] += _levelled(corners[..., 2].min(axis=1), stances)
@@ -56,7 +55,7 @@ def standing(corners: Array) -> NDArray[np.bool_]:
     heights = corners[..., 2]
     lowest = heights.argmin(axis=1)
     rows = np.arange(len(corners))
-    velocity = np.gradient(corners, axis=0)[rows, lowest] / character().opt.timestep / 4
+    velocity = np.gradient(corners, axis=0)[rows, lowest] * FPS
     mask = (heights.min(axis=1) < _NEAR) & (np.linalg.norm(velocity, axis=1) < _SLOW)
     for first, last in _runs(~mask):
         if last - first < _LONGEST_GAP and first > 0 and last < len(mask) - 1:

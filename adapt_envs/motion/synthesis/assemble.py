@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
-from adapt_envs.model.build import compile_model
-from adapt_envs.model.humanoid import hinges, load_spec
+from adapt_envs.model.build import plain_model
+from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.dynamics import GRAVITY, momentum
 from adapt_envs.motion.synthesis.balance import centre_of_mass, height_plan, zmp_plan
@@ -36,7 +36,7 @@ def body_motion(gait: Gait, steps: Footsteps, course: Course, t: Array) -> Array
     Each pass measures the centre of mass and the angular momentum of the motion so far, and moves the pelvis so that
     the zero-moment point of the next one comes nearer to its plan.
     """
-    model = compile_model()
+    model = plain_model()
     plan, height = zmp_plan(gait, steps, t), height_plan(gait, steps, t)
     pelvis = pelvis_frame(gait, course)
     root = np.column_stack([centre_of_mass(plan, height, DT), height])
@@ -94,11 +94,6 @@ def _out_of_reach(course: Course, pelvis: Array, root: Array) -> Array:
         excess = np.maximum(excess, np.where(near, hip[:, 2] - highest, 0))
     window = int(0.3 / DT)
     return gaussian_filter1d(maximum_filter1d(excess, window), window / 3, mode="nearest")
-
-
-def joint_names() -> tuple[str, ...]:
-    """Names of the character's joints in the order of a configuration."""
-    return tuple(joint.name for joint in hinges(load_spec()))
 
 
 def to_clip(name: str, qpos: Array, cyclic: bool) -> MotionClip:

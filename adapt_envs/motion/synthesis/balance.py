@@ -11,8 +11,9 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import solve_banded
 from scipy.ndimage import gaussian_filter1d
 
+from adapt_envs.model.soles import sole_edges
 from adapt_envs.motion.dynamics import GRAVITY
-from adapt_envs.motion.synthesis.feet import SOLE, Footsteps, hermite
+from adapt_envs.motion.synthesis.feet import Footsteps, hermite
 from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.legs import REACH
 
@@ -78,7 +79,8 @@ _STANDING = 0.874
 
 def strike_height(length: Array) -> Array:
     """Height of the pelvis (n,) [m] at which a leg reaches a heel strike after a step of `length` (n,) [m]."""
-    return np.minimum(SOLE + 0.01 + np.sqrt((0.9985 * REACH) ** 2 - (0.5 * length + _LEAD) ** 2), _STANDING)
+    sole = sole_edges().below
+    return np.minimum(sole + 0.01 + np.sqrt((0.9985 * REACH) ** 2 - (0.5 * length + _LEAD) ** 2), _STANDING)
 
 
 _LEAD = 0.042
@@ -127,7 +129,7 @@ def _landing_heights(steps: Footsteps, begins: Array, ends: Array, firsts: NDArr
     places = steps.pos[firsts]
     speed = np.linalg.norm(np.gradient(places, begins, axis=0), axis=1)
     lead = np.maximum(speed * np.minimum(ends - begins, 0.3) / 2 - _LAND_UNDER, 0.0)
-    return np.minimum(SOLE + 0.003 + np.sqrt((0.998 * REACH) ** 2 - lead**2), 0.875)
+    return np.minimum(sole_edges().below + 0.003 + np.sqrt((0.998 * REACH) ** 2 - lead**2), 0.875)
 
 
 _LAND_UNDER = 0.06

@@ -1,15 +1,19 @@
 """Base motions: minutes of walking or running along a path."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.motion.dynamics import GRAVITY
 from adapt_envs.motion.synthesis.assemble import DT, OVERSAMPLING, body_motion, both_feet, gait_phase, to_clip
 from adapt_envs.motion.synthesis.body import Course
+from adapt_envs.motion.synthesis.feet import FootPath
 from adapt_envs.motion.synthesis.footsteps import path_steps
 from adapt_envs.motion.synthesis.gait import Gait
 from adapt_envs.motion.synthesis.path import Command, Path, follow, running_commands, walking_commands
 
+Array = NDArray[np.float64]
 WALK_SECONDS, RUN_SECONDS = 336.0, 285.0
 """Durations of the bases [s]; the paper's are 334.07 and 282.87 (Table 1)."""
 _MARGIN = 1.5
@@ -38,13 +42,14 @@ def along_path(gait: Gait, commands: list[Command], seconds: float, seed: int, s
     return to_clip(gait.name, qpos, cyclic=False)
 
 
-def _course(gait: Gait, path: Path, t: np.ndarray, feet: tuple, phase: np.ndarray, walking: bool) -> Course:
+def _course(gait: Gait, path: Path, t: Array, feet: tuple[FootPath, FootPath], phase: Array, walking: bool) -> Course:
+    """What the body follows at times t (T,): it looks and leans into turns, and swings its limbs with its speed."""
     n = len(t)
     heading = path.heading[:n]
     look = np.clip(path.at(path.heading, t + 0.3) - heading, -0.7, 0.7)
     ahead = np.column_stack([np.cos(heading), np.sin(heading)])
-    forward = (path.acc[:n] * ahead).sum(axis=1) / 9.81
-    left = (path.acc[:n, 1] * ahead[:, 0] - path.acc[:n, 0] * ahead[:, 1]) / 9.81
+    forward = (path.acc[:n] * ahead).sum(axis=1) / GRAVITY
+    left = (path.acc[:n, 1] * ahead[:, 0] - path.acc[:n, 0] * ahead[:, 1]) / GRAVITY
     lean = np.column_stack([-(0.75 if walking else 0.9) * np.arctan(left), 0.35 * np.arctan(forward)])
     speed = path.speed[:n]
     scale = 1.27 * speed / (speed + 0.35) if walking else 0.55 + 0.45 * speed / 2.5

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs.model.soles import sole_edges
 from adapt_envs.motion.synthesis.gait import Gait, Kick
 
 Array = NDArray[np.float64]
-SOLE, TOE, HEEL = 0.05, 0.1335, 0.0435
-"""The foot's box about the ankle [m]: sole below, toe edge ahead, heel edge behind."""
 _FLAT = 0.11
 """Time from heel strike to foot flat [s]: some 12 % of a cycle (Perry)."""
 
@@ -76,8 +75,9 @@ def bump(u: Array, peak: float = 0.5, sharpness: float = 3.0) -> Array:
 
 def _pivot(pitch: Array, edge: Array | float) -> tuple[Array, Array]:
     """Ankle ahead of and above its flat-foot place on the ground when the foot rolls about an edge."""
-    ahead = edge - edge * np.cos(pitch) + SOLE * np.sin(pitch)
-    return ahead, edge * np.sin(pitch) + SOLE * np.cos(pitch)
+    below = sole_edges().below
+    ahead = edge - edge * np.cos(pitch) + below * np.sin(pitch)
+    return ahead, edge * np.sin(pitch) + below * np.cos(pitch)
 
 
 def _stance_pitch(t: Array, on: float, rise: float, off: float, strike: float, push: float) -> Array:
@@ -97,7 +97,7 @@ def foot_path(gait: Gait, steps: Footsteps, side: int, t: Array) -> FootPath:
     """Path of the foot of one side (0 right, 1 left) at times t (T,)."""
     pos, yaw, pitch, stretch = np.zeros((len(t), 3)), np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     strike, push = np.radians(gait.strike[side]), np.radians(gait.push[side])
-    ks = np.flatnonzero(steps.side == side)
+    sole, ks = sole_edges(), np.flatnonzero(steps.side == side)
     for order, k in enumerate(ks.tolist()):
         on, off = steps.on[k], steps.off[k]
         begin, end = steps.single(k)
@@ -107,7 +107,7 @@ def foot_path(gait: Gait, steps: Footsteps, side: int, t: Array) -> FootPath:
         rows = np.arange(*np.searchsorted(t, [on if order else -np.inf, off if k != ks[-1] else np.inf]))
         pitch[rows] = _stance_pitch(t[rows], on, rise, off, strike * (on > t[0]), push)
         yaw[rows] = steps.yaw[k]
-        edge = np.where(pitch[rows] > 0, TOE, -HEEL)
+        edge = np.where(pitch[rows] > 0, sole.ahead, -sole.behind)
         ahead, height = _pivot(pitch[rows], edge)
         pos[rows] = _place(steps, k, ahead, height)
         if order + 1 < len(ks):
@@ -131,12 +131,13 @@ def _swing(gait: Gait, steps: Footsteps, k: int, following: int, rise: float, t:
     strike, push = np.radians(gait.strike[side]), np.radians(gait.push[side])
     rate = _PUSH_RATE * push / (off - rise)
     pitch = hermite(u, np.array([push, rate * span, 0]), np.array([-strike, 0, 0]))
-    ahead, _ = _pivot(np.array([push]), np.array([TOE]))
-    speed = (TOE * np.sin(push) + SOLE * np.cos(push)) * rate
-    acc = (TOE * np.cos(push) - SOLE * np.sin(push)) * rate**2
+    sole = sole_edges()
+    ahead, _ = _pivot(np.array([push]), np.array([sole.ahead]))
+    speed = (sole.ahead * np.sin(push) + sole.below * np.cos(push)) * rate
+    acc = (sole.ahead * np.cos(push) - sole.below * np.sin(push)) * rate**2
     direction = np.array([np.cos(steps.yaw[k]), np.sin(steps.yaw[k])])
     start = np.stack([steps.pos[k] + ahead * direction, speed * span * direction, acc * span**2 * direction])
-    back, _ = _pivot(np.array([-strike]), np.array([-HEEL]))
+    back, _ = _pivot(np.array([-strike]), np.array([-sole.behind]))
     landing = steps.pos[following] + back * np.array([np.cos(steps.yaw[following]), np.sin(steps.yaw[following])])
     braking = -gait.braking * span**2 * np.tanh(np.linalg.norm(landing - steps.pos[k])) * _unit(landing - steps.pos[k])
     xy = hermite(u, start, np.stack([landing, np.zeros(2), braking]))
@@ -166,5 +167,6 @@ def _detours(kicks: tuple[Kick, ...], u: Array, pitch: Array, xy: Array, yaw: Ar
 
 def _lowest(pitch: Array, softness: Array) -> Array:
     """Height of the ankle over the foot's lowest edge (T,), with the change from toe to heel rounded off."""
+    below, toe, heel = sole_edges()
     s = np.sin(pitch)
-    return SOLE * np.cos(pitch) + ((TOE - HEEL) * s + np.sqrt(((TOE + HEEL) * s) ** 2 + softness**2)) / 2
+    return below * np.cos(pitch) + ((toe - heel) * s + np.sqrt(((toe + heel) * s) ** 2 + softness**2)) / 2

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from adapt_envs.motion.dynamics import GRAVITY
+
 Array = NDArray[np.float64]
 
 
@@ -75,7 +77,7 @@ def follow(commands: list[Command], dt: float, sideways: float, ease: float, hei
     pos = np.cumsum(velocity, axis=0) * dt
     acc = np.gradient(velocity, dt, axis=0)
     t = np.asarray(np.arange(len(speed)) * dt, dtype=np.float64)
-    return Path(t, pos, heading, speed, rate, pos - acc * height / 9.81, acc)
+    return Path(t, pos, heading, speed, rate, pos - acc * height / GRAVITY, acc)
 
 
 def _stretch(command: Command, dt: float) -> tuple[Array, Array]:

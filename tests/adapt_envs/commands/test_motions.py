@@ -10,8 +10,8 @@ from made_up_motions import bvh_text, json_object, write
 
 from adapt_envs.assets import asset_path
 from adapt_envs.commands import motions
+from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion.clip import MotionClip, MotionError
-from adapt_envs.motion.importing.draft import joint_names
 from adapt_envs.motion.library import CLIPS
 from adapt_envs.motion.quality import THRESHOLDS
 from adapt_envs.motion.synthesis.styles import GAITS

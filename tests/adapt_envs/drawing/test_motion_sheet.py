@@ -11,8 +11,8 @@ from adapt_envs.drawing.headless import backend
 from adapt_envs.drawing.motion_sheet import contact_sheet, typical_stretch, video_frames, write_sheet, write_video
 from adapt_envs.features import rotations
 from adapt_envs.model.build import compile_model
+from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion.clip import MotionClip, MotionError, transformed
-from adapt_envs.motion.importing.draft import joint_names
 
 RED = np.array([1.0, -0.5, -0.5])
 

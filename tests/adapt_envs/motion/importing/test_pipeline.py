@@ -6,16 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from made_up_motions import CMU, LAFAN, MIXAMO, STRANGE, bvh_text, json_object, strange_map, write
+from made_up_motions import LAFAN, MIXAMO, STRANGE, bvh_text, json_object, strange_map, write
 
 from adapt_envs.features import rotations
+from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion import quality
 from adapt_envs.motion.clip import MotionClip, MotionError
-from adapt_envs.motion.importing.bvh import read_bvh
-from adapt_envs.motion.importing.draft import angles_within, character, from_poses, joint_names
 from adapt_envs.motion.importing.pipeline import import_motion
-from adapt_envs.motion.importing.planted_feet import sole_corners, standing
-from adapt_envs.motion.importing.skeletons import FAMILIES, REQUIRED, SIDES, recognise
+from adapt_envs.motion.importing.skeletons import REQUIRED, SIDES
 
 DATA = os.environ.get("ADAPTNET_MOTION_DATA")
 RECORDED = ("limp_walk.json", "joyful_walk.json", "walk1_subject1_100_1170.json", "131_01.bvh", "131_03.bvh")
@@ -109,16 +107,6 @@ def test_imports_stand_on_the_ground_and_keep_their_limits(kind, tmp_path):
     assert measured.slip_median_cm_s < 1
 
 
-def test_official_json_poses_come_back(tmp_path):
-    content = json_object()
-    clip = import_motion(write(tmp_path, "walk.json", content))
-    assert len(clip.qpos) == 40
-    quats = np.roll([frame["right_upper_arm"] for frame in content["frames"]], 1, axis=1)
-    wanted = angles_within(quats, "right_shoulder")
-    columns = [7 + joint_names().index(f"right_shoulder_{axis}") for axis in "xyz"]
-    np.testing.assert_allclose(clip.qpos[:, columns], wanted, atol=0.02)
-
-
 def test_official_json_at_another_rate(tmp_path):
     clip = import_motion(write(tmp_path, "walk.json", json_object(frames=120, fps=60)))
     assert len(clip.qpos) == 60
@@ -151,101 +139,6 @@ def test_style_of_a_turned_walk_still_heads_along_x(tmp_path):
 def test_style_without_steps_is_refused(tmp_path):
     with pytest.raises(MotionError, match="stand.bvh: no gait cycle"):
         import_motion(write(tmp_path, "stand.bvh", bvh_text(frames=90, still=True)), style=True)
-
-
-@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
-def test_every_family_recognises_its_own_names(family):
-    names = [family.hips[0], family.neck[0], family.head[0]]
-    for role in ("hip", "knee", "ankle", "toe", "shoulder", "elbow", "wrist"):
-        names += [getattr(family, role)[0].format(side) for side in family.sides]
-    found = recognise(Path("x.bvh"), tuple(names)).joints
-    for side, word in zip(SIDES, family.sides, strict=True):
-        assert found[f"{side}_knee"] == family.knee[0].format(word)
-        assert found[f"{side}_shoulder"] == family.shoulder[0].format(word)
-
-
-@pytest.mark.parametrize(
-    ("shoulder", "upper"), [("LeftArm", LAFAN["arm"].format("Left")), ("LeftShoulder", CMU["arm"].format("Left"))]
-)
-def test_a_shoulder_is_an_arm_only_where_no_other_joint_is(shoulder, upper, tmp_path):
-    """`LeftShoulder` is the upper arm in CMU files, a collar bone in LAFAN1's."""
-    names = LAFAN if shoulder == "LeftArm" else CMU
-    path = write(tmp_path, "x.bvh", bvh_text(names=names, frames=6))
-    present = (*read_bvh(path).names, *(["LeftShoulder", "RightShoulder"] if names is LAFAN else []))
-    assert recognise(path, present).joints["left_shoulder"] == upper
-
-
-def test_bvh_channels_turn_in_the_order_they_stand(tmp_path):
-    """R = Rz Rx Ry for channels Z X Y: a quarter turn about z, then one about the turned x."""
-    text = """HIERARCHY
-ROOT a {
-  OFFSET 0 0 0
-  CHANNELS 6 Zrotation Xrotation Yrotation Xposition Yposition Zposition
-  JOINT b c {
-    OFFSET 1 0 0
-    CHANNELS 1 Xrotation
-    End Site {
-      OFFSET 0 2 0
-    }
-  }
-}
-MOTION
-Frames: 2
-Frame Time: .04
-0 0 0 1 2 3 0
-90 90 0 0 0 0 90
-"""
-    bvh = read_bvh(write(tmp_path, "x.bvh", text))
-    assert bvh.names == ("a", "b c", "b c end")
-    pos, quat = bvh.world()
-    np.testing.assert_allclose(pos[0], [[1, 2, 3], [2, 2, 3], [2, 4, 3]], atol=1e-12)
-    np.testing.assert_allclose(pos[1, 1], [0, 1, 0], atol=1e-12)
-    # Rz(90) Rx(180) takes y to x.
-    np.testing.assert_allclose(pos[1, 2], [2, 1, 0], atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(quat, axis=-1), 1, atol=1e-12)
-
-
-def test_bvh_agrees_with_pybvh(tmp_path):
-    """Another reader finds the joints in the same places."""
-    pybvh = pytest.importorskip("pybvh")
-    path = write(tmp_path, "x.bvh", bvh_text(order="YXZ"))
-    other = pybvh.read_bvh_file(path, world_up="+y")
-    mine = read_bvh(path)
-    theirs = other.node_positions()
-    index = [other.node_index[name] for name in mine.names if not name.endswith(" end")]
-    own = [i for i, name in enumerate(mine.names) if not name.endswith(" end")]
-    np.testing.assert_allclose(mine.world()[0][:, own], theirs[:, index], atol=1e-6)
-
-
-@pytest.mark.parametrize("joint", ["left_shoulder", "right_shoulder", "left_hip", "right_hip"])
-def test_angles_within_finds_angles_inside_the_limits(joint):
-    """Also where the y angle is beyond a quarter turn, which the plain extraction cannot give."""
-    model = character()
-    ranges = np.array([model.jnt_range[model.joint(f"{joint}_{axis}").id] for axis in "xyz"])
-    rng = np.random.default_rng(0)
-    targets = rng.uniform(ranges[:, 0], ranges[:, 1], (200, 3))
-    quats = rotations.from_intrinsic_xyz(targets)
-    for target, quat in zip(targets, quats, strict=True):
-        found = angles_within(quat[None], joint)
-        again = rotations.from_intrinsic_xyz(found)
-        assert abs(np.sum(again * quat)) == pytest.approx(1, abs=1e-9)
-        assert (found >= ranges[:, 0] - 1e-9).all() and (found <= ranges[:, 1] + 1e-9).all(), target
-
-
-def test_sole_corners_are_those_of_the_boxes():
-    qpos = np.zeros((1, 7 + len(joint_names())))
-    qpos[:, 2:4] = (0.881416, 1)
-    draft = from_poses(qpos)
-    corners = sole_corners(draft.foot_pos, draft.foot_quat)
-    np.testing.assert_allclose(corners[..., 2], 0, atol=1e-6)
-    np.testing.assert_allclose(np.ptp(corners[0, 0], axis=0), [0.177, 0.09, 0], atol=1e-6)
-
-
-def test_standing_is_low_and_slow():
-    corners = np.zeros((30, 4, 3))
-    corners[10:20, :, 2] = 0.1  # up in the air
-    corners[20:, :, 0] = np.arange(10)[:, None] * 0.1  # down, at 3 m/s
-    assert standing(corners)[:9].all() and not standing(corners)[10:].any()
 
 
 @pytest.mark.skipif(DATA is None, reason=FORGOTTEN)
