@@ -16,7 +16,7 @@ from adapt_envs.vector_env import RENDER_FPS, Adjustable, apply_options, check_r
 _ALL = np.zeros(1, np.int64)
 
 
-class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
+class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
     """A physically simulated humanoid that walks or runs to targets in the manner of a reference motion.
 
     ## Description
@@ -60,8 +60,8 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
 
     ## Reward
     exp(-3 |v - v*|^2 / |v*|^2) with v the root's horizontal displacement over the step times 30 and v* the preferred
-    speed towards the target; 1 within 0.5 m of it (paper, app. A). A new target is drawn when a timer ends, never on
-    arrival: root + preferred speed x timer x direction, uniform in direction.
+    speed towards the target; 1 within 0.5 m of it (paper, app. A). A new target is sampled when a timer ends, never
+    on arrival: root + preferred speed x timer x direction, uniform in direction.
 
     ## Starting state
     A random moment of the reference motion, with the frames before it as history; on terrain at a random place, lifted
@@ -69,13 +69,13 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
 
     ## Episode end
     `info["end"]` names why: `fall` (any link but the feet touches the ground or an obstacle), `lost` (3 m farther from
-    the target than when it was drawn), `diverged` (the physics broke down; the last finite observation is returned and
-    `info["diverged_worlds"]` counts), all `terminated`; `time` (300 steps) is `truncated`.
+    the target than when it was sampled), `diverged` (the physics broke down; the last finite observation is returned
+    and `info["diverged_worlds"]` counts), all `terminated`; `time` (300 steps) is `truncated`.
 
     ## Arguments
     See `__init__`; `reset(options={"goal_heading": rad, "goal_speed": m/s, "start": number})` holds the goal ahead in a
     world direction and names the start state. `set_goal` does so at any time. `push_scale` scales the force of pushes,
-    `goal_spread` narrows where goals are drawn from.
+    `goal_spread` narrows where goals are sampled from.
 
     ## Version history
     * v0: initial version.
@@ -87,13 +87,13 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
         """Make one world of `task`.
 
         Args:
-            task: name of a row of `suite.SUITE`, or a row of one's own.
+            task: name of a row of `suite.SUITE`, or your own `TaskSpec`.
             render_mode: "rgb_array", "human" or None.
             **overrides: fields of `TaskSpec` to replace, such as `motion` (a clip's name or file) or `speed_range`.
         """
         self.worlds = Worlds(configured(task, overrides), num_worlds=1, num_threads=1)
         self.render_mode = check_render_mode(render_mode, self.metadata["render_modes"])
-        self.observation_space, self.action_space = spaces_of(self.worlds)  # type: ignore[assignment]
+        self.observation_space, self.action_space = spaces_of(self.worlds)
         self.diverged_worlds = 0
         self._renderer: SceneRenderer | None = None
         self._window: Window | None = None
@@ -101,7 +101,7 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Start anew from a state of the motion; see Gymnasium's `Env.reset` and the class's notes on `options`."""
+        """Restart from a state of the motion; see Gymnasium's `Env.reset` and the class's notes on `options`."""
         super().reset(seed=seed)
         self.worlds.rng = self.np_random
         observations = self.worlds.reset(_ALL, apply_options(self.worlds, _ALL, options))
@@ -141,7 +141,7 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[np.float32]]):
         """Hold the goal ahead in the world direction `heading` [rad] at `speed` [m/s]; None, None: random ones."""
         self.worlds.hold_goal(heading, speed, _ALL)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """A picture (480, 640, 3) in mode "rgb_array"; None in mode "human", which shows every step by itself."""
         if self.render_mode != "rgb_array":
             return None

@@ -21,7 +21,7 @@ def register_suite() -> None:
 
 
 def register(spec: TaskSpec, name: str) -> str:
-    """Add an environment of one's own to the table and to Gymnasium's registry.
+    """Add your own environment to the table and to Gymnasium's registry.
 
     Args:
         spec: its row.

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields, replace
 from numbers import Real
+from typing import Any
 
 from adapt_envs.model.morphology import Morphology
 from adapt_envs.model.obstacles import ObstacleField
@@ -14,7 +15,7 @@ from adapt_envs.tasks.push import PushSchedule
 WALK_SPEEDS, RUN_SPEEDS = (1.0, 1.5), (1.0, 3.0)
 """Ranges of the preferred speed [m/s]; paper, app. A."""
 WALK_TIMER, RUN_TIMER = (3.0, 5.0), (2.0, 3.0)
-"""Ranges of the time until a new target is drawn [s]; paper, app. A."""
+"""Ranges of the time until a new target is sampled [s]; paper, app. A."""
 EPISODE_STEPS = 300
 """Control steps until the time limit: 10 s."""
 ICE_WALK, ICE_RUN = 0.15, 0.35
@@ -30,12 +31,12 @@ class TaskSpec:
         base: name of the pretrained policy that is adapted by default.
         summary: one sentence for the documentation.
         speed_range: preferred speeds [m/s]; None for the paper's, or the clip's speed +-20 % where that lies outside.
-        timer_range: seconds until a new target is drawn.
+        timer_range: seconds until a new target is sampled.
         friction: sliding friction of the ground.
         morphology: body shape, or its name in `MORPHOLOGIES`; None for the plain character's.
         locked: joints that are removed, such as `("right_knee",)`; see `locks.joints_named`.
-        terrain: function that draws the ground's heights, or its name in `TERRAINS`; None for flat ground.
-        terrain_seed: seed of terrain and obstacles; `reset(seed=...)` draws spawns and goals only.
+        terrain: function that samples the ground's heights, or its name in `TERRAINS`; None for flat ground.
+        terrain_seed: seed of terrain and obstacles; `reset(seed=...)` is for spawns and goals only.
         obstacles: how blocks are laid out, or the layout's name in `OBSTACLES`; None for free ground.
         heightmap: whether the observation holds a heightmap of the ground around the character.
         push: when and how hard the character is pushed; None for never.
@@ -99,10 +100,12 @@ _TERRAIN = {
 
 def _bodies() -> dict[str, TaskSpec]:
     """Every body shape and every lock, running and walking."""
-    rows = {name: ({"morphology": shape}, words) for name, (shape, words) in _SHAPES.items()}
-    rows |= {name: ({"locked": joints}, words) for name, (joints, words) in _LOCKS.items()}  # type: ignore[dict-item]
+    rows: dict[str, tuple[dict[str, Any], str]] = {
+        name: ({"morphology": shape}, words) for name, (shape, words) in _SHAPES.items()
+    }
+    rows |= {name: ({"locked": joints}, words) for name, (joints, words) in _LOCKS.items()}
     return {
-        name + suffix: replace(plain, summary=f"{verb} with {words}.", **change)  # type: ignore[arg-type]
+        name + suffix: replace(plain, summary=f"{verb} with {words}.", **change)
         for suffix, verb, plain in (("", "Run", _RUN), ("Walk", "Walk", _WALK))
         for name, (change, words) in rows.items()
     }
@@ -139,7 +142,7 @@ def find(name: str) -> TaskSpec:
 
 
 def preferred_speeds(spec: TaskSpec, clip: MotionClip) -> tuple[float, float]:
-    """Range [m/s] the preferred speed is drawn from: the row's, else the paper's or the clip's speed +-20 %."""
+    """Range [m/s] the preferred speed is sampled from: the row's, else the paper's or the clip's speed +-20 %."""
     if spec.speed_range is not None:
         return spec.speed_range
     usual = RUN_SPEEDS if spec.base == "run" else WALK_SPEEDS
@@ -148,7 +151,7 @@ def preferred_speeds(spec: TaskSpec, clip: MotionClip) -> tuple[float, float]:
     return round(0.8 * clip.mean_speed, 3), round(1.2 * clip.mean_speed, 3)
 
 
-def configured(task: str | TaskSpec, overrides: dict[str, object]) -> TaskSpec:
+def configured(task: str | TaskSpec, overrides: dict[str, Any]) -> TaskSpec:
     """The row `task` with fields replaced.
 
     Raises:
@@ -167,12 +170,12 @@ def configured(task: str | TaskSpec, overrides: dict[str, object]) -> TaskSpec:
     friction = overrides.get("friction", spec.friction)
     if not isinstance(friction, Real) or not 0 < float(friction) < float("inf"):
         raise ValueError(f"friction is {friction!r}, expected a positive number")
-    return replace(spec, **overrides)  # type: ignore[arg-type]
+    return replace(spec, **overrides)
 
 
-def _checked_range(name: str, value: object) -> tuple[float, float]:
+def _checked_range(name: str, value: Any) -> tuple[float, float]:
     try:
-        low, high = (float(number) for number in value)  # type: ignore[attr-defined]
+        low, high = (float(number) for number in value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} is {value!r}, expected two numbers") from None
     if not 0 < low <= high:

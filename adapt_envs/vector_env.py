@@ -51,7 +51,7 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
 
 
 class Adjustable:
-    """What one may set at any time, of one world as of many; `AttributeRamp` lets it grow in training.
+    """What may be set at any time, of one world as of many; `AttributeRamp` lets it grow in training.
 
     A `gym.Wrapper` does not hand on what is set: set it on `env.unwrapped`.
 
@@ -79,7 +79,7 @@ class Adjustable:
 
     @property
     def goal_spread(self) -> float:
-        """Share of the circle, centred straight ahead, that goals are drawn from; 1 unless set.
+        """Share of the circle, centred straight ahead, that goals are sampled from; 1 unless set.
 
         Setting it raises ValueError for a share outside [0, 1].
         """
@@ -112,7 +112,7 @@ class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.f
         """Make `num_envs` worlds of `task`.
 
         Args:
-            task: name of a row of `suite.SUITE`, or a row of one's own.
+            task: name of a row of `suite.SUITE`, or your own `TaskSpec`.
             num_envs: number of worlds.
             max_episode_steps: time limit in control steps (1/30 s), or None.
             num_threads: threads of the physics; None for one per core.

@@ -1,1 +1,1 @@
-"""Subcommands of the command line `adaptnet` that need no learner."""
+"""The subcommands `doctor`, `envs` and `motions`: each module has `add_parser` and returns exit codes."""

@@ -7,8 +7,8 @@ def check_output(path: str | Path, *suffixes: str) -> None:
     """Refuse a file that cannot be written, before the work that it is to hold.
 
     Args:
-        path: The file.
-        suffixes: Extensions that it may have, such as ".png"; none for any.
+        path: the file.
+        suffixes: extensions that it may have, such as ".png"; none for any.
 
     Raises:
         ValueError: for another extension, a folder, or a file in a folder that does not exist.

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 Observations = NDArray[np.float32] | dict[str, NDArray[np.float32]]
 """(n, 784), or {"observation": (n, 784), "heightmap": (n, 1, 35, 35)}."""
-Rows = NDArray[np.integer] | NDArray[np.bool_] | int
+Rows = NDArray[np.integer] | NDArray[np.bool_] | int | slice
+"""Which rows: numbers, a mask, a slice, or one number, which leaves the first axis out."""
 
 
 def rows_of(observations: Observations, rows: Rows) -> Observations:
@@ -13,6 +14,11 @@ def rows_of(observations: Observations, rows: Rows) -> Observations:
     if isinstance(observations, dict):
         return {key: values[rows].copy() for key, values in observations.items()}
     return observations[rows].copy()
+
+
+def copied(observations: Observations) -> Observations:
+    """A copy of all rows."""
+    return rows_of(observations, slice(None))
 
 
 def put_rows(observations: Observations, rows: Rows, values: Observations) -> None:
@@ -24,10 +30,3 @@ def put_rows(observations: Observations, rows: Rows, values: Observations) -> No
         observations[rows] = values
     else:
         raise TypeError("observations with and without a heightmap do not go together")
-
-
-def empty_like(observations: Observations, n: int) -> Observations:
-    """`n` rows of zeros in the layout of `observations`."""
-    if isinstance(observations, dict):
-        return {key: np.zeros((n, *values.shape[1:]), np.float32) for key, values in observations.items()}
-    return np.zeros((n, *observations.shape[1:]), np.float32)

@@ -65,7 +65,7 @@ class Obstacles:
     """
 
     def __init__(self, layout: ObstacleField, patches: Patches, rng: np.random.Generator) -> None:
-        """Draw the blocks; they stand at height 0."""
+        """Sample the blocks; they stand at height 0."""
         self.layout = layout
         across = np.arange(layout.cell / 2, PATCH, layout.cell) - PATCH / 2
         middle = (patches.centres_1d[:, None] + across).ravel()
@@ -78,9 +78,9 @@ class Obstacles:
         self.yaw = rng.uniform(0, np.pi, len(self.centre))
         self.top = rng.uniform(*layout.height, len(self.centre))
         self._origin = -patches.half
-        self._raster = self._drawn_raster(round(2 * patches.half / _RASTER))
+        self._raster = self._covered(round(2 * patches.half / _RASTER))
 
-    def _drawn_raster(self, size: int) -> NDArray[np.int16]:
+    def _covered(self, size: int) -> NDArray[np.int16]:
         """(size, size) number of the block that may cover a cell of the raster, -1 where none does."""
         raster = np.full((size, size), -1, np.int16)
         c, s = np.abs(np.cos(self.yaw)), np.abs(np.sin(self.yaw))

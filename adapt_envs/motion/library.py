@@ -1,4 +1,4 @@
-"""The clips that ship, and what environments draw from clips: start states and reference windows."""
+"""The clips that ship, and what environments take from clips: start states and reference windows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -147,7 +147,7 @@ def foot_corners(model: mujoco.MjModel, qpos: Array) -> Array:
         data.qpos[:] = position
         mujoco.mj_kinematics(model, data)
         pos[row], quat[row] = data.xpos[feet], data.xquat[feet]
-    return rotations.placed(pos, quat, sole_corners(model)).reshape(-1, 8, 3)
+    return np.asarray(rotations.placed(pos, quat, sole_corners(model)).reshape(-1, 8, 3), np.float64)
 
 
 def slip_speeds(corners: Array) -> Array:

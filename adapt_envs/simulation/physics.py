@@ -93,7 +93,7 @@ class PhysicsBatch:
         self._warnings[ids] = self._batch.warning[:, _DIVERGED, 1][ids]  # the reset set them to zero
 
     def push(self, force: NDArray[np.floating]) -> None:
-        """Set the force (N, 3) [N] in the world frame that acts on the torso's centre of mass until set anew."""
+        """Set the force (N, 3) [N] in the world frame that acts on the torso's centre of mass until it is set again."""
         self._batch.bind("xfrc_applied")[:, self._torso, :3] = force
 
     def mujoco_data(self, world: int, data: mujoco.MjData, model: mujoco.MjModel | None = None) -> mujoco.MjData:

@@ -90,11 +90,11 @@ class Worlds:
         return footing_reward(self._features[..., :POSE], sole_corners(self.model))
 
     def reset(self, ids: NDArray[np.integer], start: int | None = None) -> Observations:
-        """Start the worlds `ids` anew from states of the motion with new goals; held goals stay held.
+        """Restart the worlds `ids` from states of the motion with new goals; held goals stay held.
 
         Args:
             ids: (n,) worlds; all of them the first time.
-            start: number of the start state, below `reference.num_states`; None draws it.
+            start: number of the start state, below `reference.num_states`; None samples it.
 
         Returns:
             First observations of these n worlds.
@@ -121,7 +121,7 @@ class Worlds:
     def _placed(
         self, qpos: NDArray[np.float64], qvel: NDArray[np.float64], history: NDArray[np.float32]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
-        """Start states moved to drawn places of bounded ground and lifted to stand there."""
+        """Start states moved to random places of bounded ground and lifted to stand there."""
         if self.ground.plain:
             return qpos, qvel, history
         qpos, qvel, history = moved(qpos, qvel, history, *self.ground.spawns(len(qpos), self.rng))
@@ -182,7 +182,7 @@ class Worlds:
     def hold_goal(self, heading: float | None, speed: float | None, ids: NDArray[np.integer]) -> None:
         """Keep the target of the worlds `ids` ahead in the world direction `heading` [rad] at `speed` [m/s].
 
-        None for both returns to goals drawn at random; errors as `Goals.hold`.
+        None for both returns to random goals; errors as `Goals.hold`.
         """
         self.goals.hold(ids, heading, speed)
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)

@@ -1,1 +1,25 @@
-"""Goal, termination and push rules as pure functions over arrays."""
+"""What is asked of the character: the rules of goals, pushes, foot slip and the ends of episodes, over arrays."""
+
+from adapt_envs.tasks.foot_slip import footing_reward
+from adapt_envs.tasks.goal import GOAL_RADIUS, goal_observation, goal_reward, targets_ahead
+from adapt_envs.tasks.goal_state import Goals
+from adapt_envs.tasks.push import Pushes, PushSchedule
+from adapt_envs.tasks.termination import DIVERGED, ENDS, FALL, LOST, RUNNING, TIME, ends
+
+__all__ = [
+    "DIVERGED",
+    "ENDS",
+    "FALL",
+    "GOAL_RADIUS",
+    "LOST",
+    "RUNNING",
+    "TIME",
+    "Goals",
+    "PushSchedule",
+    "Pushes",
+    "ends",
+    "footing_reward",
+    "goal_observation",
+    "goal_reward",
+    "targets_ahead",
+]

@@ -23,9 +23,9 @@ def footing_reward(windows: NDArray[np.floating], corners: NDArray[np.float64]) 
         foot's lowest corner if it touches the ground before and after, else 0.
     """
     feet = windows[:, -2:, FOOT_LINKS].astype(np.float64)
-    corners = rotations.placed(feet[..., :3], feet[..., 3:7], corners)
-    lowest = corners[:, 0, ..., 2].argmin(axis=-1)[..., None, None]
-    before, after = (np.take_along_axis(corners[:, i], lowest, axis=2)[:, :, 0] for i in (0, 1))
+    points = rotations.placed(feet[..., :3], feet[..., 3:7], corners)
+    lowest = points[:, 0, ..., 2].argmin(axis=-1)[..., None, None]
+    before, after = (np.take_along_axis(points[:, i], lowest, axis=2)[:, :, 0] for i in (0, 1))
     slip = np.linalg.norm((after - before)[..., :2], axis=-1) / CONTROL_DT
     slip[(before[..., 2] > TOUCHING) | (after[..., 2] > TOUCHING)] = 0
     return np.exp(-slip / SLIP_SCALE).mean(axis=1)

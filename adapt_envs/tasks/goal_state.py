@@ -1,4 +1,4 @@
-"""The goals of N worlds over time: drawn, held and renewed (paper, app. A)."""
+"""The goals of N worlds over time: sampled, held and renewed (paper, app. A)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,17 @@ class Goals:
     Attributes:
         target: (N, 2) target on the ground [m], world.
         speed: (N,) preferred speed [m/s].
-        steps_left: (N,) control steps until a new target is drawn.
-        distance: (N,) distance to the target when it was drawn [m].
-        held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are drawn at random.
+        steps_left: (N,) control steps until a new target is sampled.
+        distance: (N,) distance to the target when it was sampled [m].
+        held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are random.
         held_speed: (N,) preferred speed [m/s] the goal is held at.
-        spread: share of the circle, centred straight ahead, that drawn headings come from; 1 is the paper's.
+        spread: share of the circle, centred straight ahead, that random headings come from; 1 is the paper's.
     """
 
     def __init__(
         self, num_worlds: int, ground: Ground, speed_range: tuple[float, float], timer_range: tuple[float, float]
     ) -> None:
-        """Goals before the first draw, on `ground`, with preferred speeds [m/s] and timers [s] from these ranges."""
+        """Goals before the first sample, on `ground`, with preferred speeds [m/s] and timers [s] from these ranges."""
         self.ground, self.speed_range, self.timer_range = ground, speed_range, timer_range
         self.target = np.zeros((num_worlds, 2), np.float32)
         self.speed = np.ones(num_worlds, np.float32)
@@ -36,7 +36,7 @@ class Goals:
         self.spread = 1.0
 
     def hold(self, ids: NDArray[np.integer], heading: float | None, speed: float | None) -> None:
-        """Hold the goals of the worlds `ids`, from their next draw on; None for both frees them.
+        """Hold the goals of the worlds `ids`, from their next sample on; None for both frees them.
 
         Raises:
             ValueError: for one without the other, a heading that is not finite, or a speed that is not positive.
@@ -49,7 +49,7 @@ class Goals:
         self.held_speed[ids] = 1.0 if speed is None else speed
 
     def expire(self) -> NDArray[np.bool_]:
-        """Count one control step; return (N,) which goals must be drawn anew. Held ones move at every step."""
+        """Count one control step; return (N,) which goals must be sampled again. Held ones move at every step."""
         self.steps_left -= 1
         return (self.steps_left <= 0) | ~np.isnan(self.held_heading)
 
@@ -60,7 +60,7 @@ class Goals:
         root_heading: NDArray[np.floating],
         rng: np.random.Generator,
     ) -> None:
-        """Draw new goals (paper, app. A): direction uniform, speed and timer from their ranges; or held ones.
+        """Sample new goals (paper, app. A): direction uniform, speed and timer from their ranges; or held ones.
 
         On bounded ground targets keep 3 m inside their patch and out of obstacles.
 
@@ -78,7 +78,7 @@ class Goals:
         if self.spread < 1:
             heading = root_heading + self.spread * rotations.wrapped(heading - root_heading)
         heading = np.where(held, self.held_heading[ids], heading)
-        # A held goal keeps the longest distance a drawn one can have: far enough never to be reached.
+        # A held goal keeps the longest distance a random one can have: far enough never to be reached.
         seconds = np.where(held, self.timer_range[1], rng.uniform(*self.timer_range, len(ids)))
         target, distance = targets_ahead(root_xy, heading, speed, seconds), speed * seconds
         if not self.ground.plain:

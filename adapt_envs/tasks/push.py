@@ -52,7 +52,7 @@ class Pushes:
         self._left = np.zeros(num_worlds, np.int64)
 
     def restart(self, ids: NDArray[np.integer], rng: np.random.Generator) -> None:
-        """End the pushes of the worlds `ids` and draw the time until their next ones."""
+        """End the pushes of the worlds `ids` and sample the time until their next ones."""
         self.force[ids] = 0
         self._left[ids] = 0
         self._until_next[ids] = self._waits(len(ids), rng)

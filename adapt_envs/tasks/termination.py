@@ -7,7 +7,7 @@ ENDS = ("", "fall", "lost", "diverged", "time")
 """Reasons by code; 0 goes on, 1 to 3 terminate, 4 truncates."""
 RUNNING, FALL, LOST, DIVERGED, TIME = range(5)
 LOST_DISTANCE = 3.0
-"""An episode ends when the character is this much [m] farther from its target than when the target was drawn."""
+"""An episode ends when the character is this much [m] farther from its target than when the target was sampled."""
 
 
 def ends(

@@ -1,4 +1,4 @@
-"""Make the shipped motions anew: `python -m adapt_envs.motion.synthesis [NAME...]`, all of them without a name."""
+"""Make the shipped motions again: `python -m adapt_envs.motion.synthesis [NAME...]`; without a name, all of them."""
 
 import argparse
 

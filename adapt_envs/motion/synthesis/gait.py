@@ -69,7 +69,7 @@ class Gait:
 
     Attributes:
         name: name of the clip.
-        kind: which quality bars hold: walk, run, quiet, forceful or hopping.
+        kind: which quality thresholds hold: walk, run, quiet, forceful or hopping.
         frames: period in frames at 30 Hz of a style; 0 for a base, which follows a path.
         cycles: gait cycles in one period.
         length: step length [m] of a style: how far the foot lands ahead of the other.

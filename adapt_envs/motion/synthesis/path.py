@@ -1,4 +1,4 @@
-"""The paths that the base motions follow: speed and heading over time, drawn from a seed."""
+"""The paths that the base motions follow: speed and heading over time, sampled from a seed."""
 
 from dataclasses import dataclass
 

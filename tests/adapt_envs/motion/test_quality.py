@@ -33,7 +33,7 @@ def clip_of(model, qpos):
 
 
 @pytest.mark.parametrize("name", GAITS)
-def test_shipped_clip_keeps_the_bars_of_its_kind(name):
+def test_shipped_clip_keeps_the_thresholds_of_its_kind(name):
     quality = check(MotionClip.load(asset_path(f"motions/{name}.npz")), GAITS[name].kind)
     assert quality.ok, quality
 
