@@ -11,10 +11,8 @@ from stable_baselines3.common.vec_env import SubprocVecEnv
 
 import adapt_envs
 from adapt_envs import SUITE, TaskSpec, env_id, make_vector, register
-from adapt_envs.model.morphology import Morphology
-from adapt_envs.model.obstacles import ObstacleField
-from adapt_envs.model.terrain import TERRAINS
-from adapt_envs.tasks.push import PushSchedule
+from adapt_envs.model import TERRAINS, Morphology, ObstacleField
+from adapt_envs.tasks import PushSchedule
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -62,7 +62,7 @@ def test_modules_of_the_package_import_from_where_things_are_defined():
                     assert isinstance(getattr(found, alias.name), ModuleType), name
 
 
-@pytest.mark.parametrize("room", ROOMS)
+@pytest.mark.parametrize("room", ["", ".motion.importing"])
 def test_the_way_to_opengl_is_chosen_before_mujoco_is_imported(room):
     program = (
         "import sys\n"

@@ -32,7 +32,7 @@ def call(*arguments: str) -> int:
 
 @pytest.fixture
 def stand(tmp_path: Path) -> Path:
-    """A clip that stands still: it meets every bar there is for quiet motions."""
+    """A clip that stands still: it keeps every threshold for quiet motions."""
     qpos = np.zeros((40, 7 + len(joint_names())))
     qpos[:, 2:4] = (0.881416, 1)
     path = tmp_path / "stand.npz"

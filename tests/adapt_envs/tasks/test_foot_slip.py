@@ -48,7 +48,7 @@ def test_environments_keep_it_for_the_transition_before_a_restart():
     env = make_vector(env_id("Walk"), 16)
     env.reset(seed=0)
     pose = np.tile(env.single_action_space.mean_pose, (16, 1))
-    for _ in range(40):  # long enough for some to fall and start anew
+    for _ in range(40):  # long enough for some to fall and restart
         *_, infos = env.step(pose)
         assert env.footing == pytest.approx(footing_reward(env.pose_windows, CORNERS))
     assert "_final_obs" in infos or env.worlds.steps.min() < 40

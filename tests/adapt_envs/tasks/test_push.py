@@ -62,10 +62,10 @@ def test_pushes_come_every_three_to_six_seconds_from_everywhere():
         assert ((np.diff(times) > 3 - 1e-9) & (np.diff(times) < 6 + 1e-9)).all()
     assert acting.sum() / starts.sum() == pytest.approx(6, abs=0.1)
     assert (forces[..., 2] == 0).all()
-    drawn = forces[starts]
-    assert np.allclose(np.linalg.norm(drawn, axis=1), 1000)
-    assert np.abs(drawn.mean(axis=0)[:2]).max() < 80  # all directions alike: the mean of 1,700 is near zero
-    assert np.linalg.norm(np.unique(drawn, axis=0), axis=1).size > 1000
+    sampled = forces[starts]
+    assert np.allclose(np.linalg.norm(sampled, axis=1), 1000)
+    assert np.abs(sampled.mean(axis=0)[:2]).max() < 80  # all directions alike: the mean of 1,700 is near zero
+    assert np.linalg.norm(np.unique(sampled, axis=0), axis=1).size > 1000
 
 
 def test_the_scale_grows_the_force_and_a_reset_ends_a_push():
@@ -105,7 +105,7 @@ def test_pushes_follow_the_seed():
     assert not np.array_equal(forces(1), forces(2))
 
 
-def test_the_arrow_is_drawn_only_while_a_push_acts():
+def test_the_arrow_is_sampled_only_while_a_push_acts():
     env = AdaptEnv(TaskSpec("Stoop", push=PushSchedule()))
     env.reset(seed=0)
     renderer = SceneRenderer(env.worlds, (160, 160))
