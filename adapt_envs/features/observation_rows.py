@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 Observations = NDArray[np.float32] | dict[str, NDArray[np.float32]]
 """(n, 784), or {"observation": (n, 784), "heightmap": (n, 1, 35, 35)}."""
-Rows = NDArray[np.integer] | NDArray[np.bool_] | int
+Rows = NDArray[np.integer] | NDArray[np.bool_] | int | slice
 
 
 def rows_of(observations: Observations, rows: Rows) -> Observations:
