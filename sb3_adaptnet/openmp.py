@@ -2,7 +2,7 @@
 
 Waiting threads spin for milliseconds by default: with physics threads, or another process, on the same cores that slows
 training tenfold (measured: 84 instead of 1,800 samples per second). Some microseconds of spinning, as many as pass
-between two small products, keep the speed of spinning on a machine of one's own. Values that the user set are kept.
+between two small products, keep the speed of spinning where nothing else runs. Values that the user set are kept.
 """
 
 import os

@@ -2,18 +2,33 @@
 
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol, cast
 
 import gymnasium as gym
 import numpy as np
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import VectorEnv
+from numpy.typing import NDArray
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 import adapt_envs as adapt_envs  # registers the ids
+from adapt_envs.features.observation_rows import copied
 
-NO_INFO: dict[str, Any] = {}  # shared by every world that goes on; nobody writes into it
+NO_INFO: dict[str, Any] = {}
+"""Info of every world that goes on, shared by them all; nobody writes into it."""
+_EVERY_ROW = slice(None)
+
+
+class PosedWorlds(Protocol):
+    """What batched worlds offer to discriminators, beside gymnasium's `VectorEnv`."""
+
+    @property
+    def pose_windows(self) -> NDArray[np.float32]:
+        """Windows (N, 5, 15, 7) of the transition just made, before autoreset: position [m], quaternion wxyz."""
+
+    def sample_reference_windows(self, n: int, rng: np.random.Generator) -> NDArray[np.float32]:
+        """Windows (n, 5, 15, 7) of the clips."""
 
 
 class AdaptVecEnv(VecEnv):
@@ -68,13 +83,17 @@ class AdaptVecEnv(VecEnv):
         self._lengths = np.zeros(self.num_envs, np.int64)
 
     @property
-    def pose_windows(self) -> np.ndarray:
-        """Windows (N, 5, 15, 7) of the transition just made, before autoreset."""
-        return self.vector_env.unwrapped.pose_windows  # type: ignore[attr-defined]
+    def pose_windows(self) -> NDArray[np.float32]:
+        """Windows (N, 5, 15, 7) of the transition just made, before autoreset: position [m], quaternion wxyz."""
+        return self._posed.pose_windows
 
-    def sample_reference_windows(self, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw windows (count, 5, 15, 7) of the clips."""
-        return self.vector_env.unwrapped.sample_reference_windows(count, rng)  # type: ignore[attr-defined]
+    def sample_reference_windows(self, count: int, rng: np.random.Generator) -> NDArray[np.float32]:
+        """Sample windows (count, 5, 15, 7) of the clips."""
+        return self._posed.sample_reference_windows(count, rng)
+
+    @property
+    def _posed(self) -> PosedWorlds:
+        return cast(PosedWorlds, self.vector_env.unwrapped)
 
     def reset(self) -> VecEnvObs:
         """Reset all worlds, with the seed given by `seed` if any; returns observations (N, ...)."""
@@ -84,9 +103,9 @@ class AdaptVecEnv(VecEnv):
         self._reset_options()
         self._returns[:] = 0.0
         self._lengths[:] = 0
-        return copy_observations(observations)
+        return rows_of(observations, _EVERY_ROW)
 
-    def step_async(self, actions: np.ndarray) -> None:
+    def step_async(self, actions: NDArray[np.float32]) -> None:
         """Keep the actions (N, joints) for `step_wait`."""
         self._actions = actions
 
@@ -101,7 +120,7 @@ class AdaptVecEnv(VecEnv):
             sb3_infos[world] = self._final_info(int(world), infos, bool(truncated[world] and not terminated[world]))
         self._returns[dones] = 0.0
         self._lengths[dones] = 0
-        return copy_observations(observations), np.array(rewards, np.float32), dones, sb3_infos
+        return rows_of(observations, _EVERY_ROW), np.array(rewards, np.float32), dones, sb3_infos
 
     def _final_info(self, world: int, infos: dict[str, Any], truncated: bool) -> dict[str, Any]:
         observation, ends = infos["final_obs"][world], infos.get("final_info", {}).get("end")
@@ -147,14 +166,7 @@ class AdaptVecEnv(VecEnv):
         """True for `Monitor`: episodes are reported as it does; no world has another wrapper."""
         return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]
 
-    def get_images(self) -> Sequence[np.ndarray | None]:
+    def get_images(self) -> Sequence[NDArray[np.uint8] | None]:
         """Pictures of the worlds, as far as the vector environment renders them."""
         frames = self.vector_env.render()
         return [] if frames is None else [np.asarray(frame) for frame in frames]
-
-
-def copy_observations(observations: Any) -> Any:
-    """Copy an array, or every array of a dict."""
-    if isinstance(observations, dict):
-        return {key: np.array(value) for key, value in observations.items()}
-    return np.array(observations)

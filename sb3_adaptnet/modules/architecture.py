@@ -4,8 +4,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-OBSERVATION_VERSION = 1  # meaning of the 784 numbers; raised when the env's layout changes
-ADAPTORS = ("full", "lora")  # kinds of internal adaptors (paper, sec. 4 and 8.3); None stands for no adaptors
+OBSERVATION_VERSION = 1
+"""Version of what an observation's 784 numbers mean; raised when the environments' layout changes."""
+ADAPTORS = ("full", "lora")
+"""Kinds of internal adaptors (paper, sec. 4 and 8.3); None stands for no adaptors."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class AdaptationShape:
 
     Attributes:
         injection: latent space that the injector edits: "z0", "z1", "z2", ... or "all".
-        own_encoder: whether the injector has a state encoder of its own (a copy of the base's).
+        own_encoder: whether the injector has its own state encoder (a copy of the base's).
         adaptors: "full" for full-rank adaptors, "lora" for low-rank ones, None for none.
         rank: rank of the low-rank adaptors.
         injector: whether there is an injector at all.

@@ -15,9 +15,14 @@ from sb3_adaptnet.modules.heightmap import CODE_SIZE, HeightmapEncoder, require_
 from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 
-INITIAL_STD = 0.067  # of the action range [-1, 1]: enough to explore, little enough to stay on the feet
-HEAD_GAIN = 0.01  # orthogonal gain of the mean head: the first actions are the mean pose
-LOG_STD_LIMITS = (-5.0, 1.0)  # keeps exp(log_std) finite whatever the optimiser does
+INITIAL_STD = 0.067
+"""Standard deviation of the first actions, in [-1, 1]: enough to explore, little enough to stay on the feet."""
+HEAD_GAIN = 0.01
+"""Orthogonal gain of the mean head: the first actions are the mean pose."""
+LOG_STD_LIMITS = (-5.0, 1.0)
+"""Bounds of the log standard deviation, which keep its exponential finite whatever the optimiser does."""
+_HEADS = ("mean.", "log_std.")
+"""What the names of the heads' parameters begin with."""
 
 
 def make_hidden_layers(sizes: Sequence[int]) -> nn.ModuleList:
@@ -137,6 +142,3 @@ class Backbone(Actor):
         state = {name: t[rows] if name.startswith(_HEADS) else t for name, t in self.state_dict().items()}
         pruned.load_state_dict(state)
         return pruned
-
-
-_HEADS = ("mean.", "log_std.")

@@ -42,8 +42,8 @@ def hinge_loss(simulated: torch.Tensor, reference: torch.Tensor) -> torch.Tensor
     """Hinge loss, the first two terms of eq. 10, averaged over samples and heads.
 
     Args:
-        simulated: Scores (B, heads) of simulated windows, pushed below -1.
-        reference: Scores (B, heads) of reference windows, pushed above 1.
+        simulated: scores (B, heads) of simulated windows, pushed below -1.
+        reference: scores (B, heads) of reference windows, pushed above 1.
 
     Returns:
         Scalar.

@@ -5,12 +5,17 @@ from torch import nn
 
 from sb3_adaptnet.modules.layers.small_conv import relu_conv
 
-HEIGHTMAP_SIZE = 35  # grid points along each side, 0.1 m apart
-CODE_SIZE = 256  # numbers in the code
+HEIGHTMAP_SIZE = 35
+"""Grid points along each side, 0.1 m apart."""
+CODE_SIZE = 256
+"""Numbers in the code."""
 
-# (output channels, kernel, stride). The appendix speaks of three layers; four is what the authors ran: they take the
-# 35x35 grid to 7x7, 5x5, 3x3 and 1x1 points, without pooling, after Mnih et al. (2013).
 _LAYERS = ((32, 5, 5), (64, 3, 1), (128, 3, 1), (CODE_SIZE, 3, 1))
+"""(output channels, kernel, stride) of every layer.
+
+The appendix speaks of three layers; four is what the authors ran: they take the 35x35 grid to 7x7, 5x5, 3x3 and 1x1
+points, without pooling, after Mnih et al. (2013).
+"""
 
 
 class HeightmapEncoder(nn.Module):

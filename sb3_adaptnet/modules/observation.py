@@ -1,10 +1,20 @@
-"""An observation as the networks take it: frames, goal and optional heightmap."""
+"""Observations as the networks take them: frames, goal and optional heightmap; and as dicts, where there is one."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import NamedTuple, TypeVar
 
 import torch
 
 from sb3_adaptnet.modules.architecture import Architecture
+
+Part = TypeVar("Part")
+"""Array, tensor or space of one kind of observation."""
+FLAT = "observation"
+"""Key of the flat observations in a dict; where there are no others, they stand alone."""
+HEIGHTMAP = "heightmap"
+"""Key of the heightmaps in a dict."""
+BASE_CODE = "base_code"
+"""Key under which a dict may hand back what a frozen base's encoder made of the frames."""
 
 
 class Observation(NamedTuple):
@@ -22,6 +32,34 @@ class Observation(NamedTuple):
     goal: torch.Tensor
     heightmap: torch.Tensor | None
     base_code: torch.Tensor | None = None
+
+
+def parts_of(whole: Part | Mapping[str, Part]) -> dict[str, Part]:
+    """Observations, or their space, as a dict; what is none becomes one with the key "observation"."""
+    return dict(whole) if isinstance(whole, Mapping) else {FLAT: whole}
+
+
+def whole_of(parts: dict[str, Part]) -> Part | dict[str, Part]:
+    """Inverse of `parts_of`: flat observations stand alone if there are no others."""
+    return parts[FLAT] if parts.keys() == {FLAT} else parts
+
+
+def read_observation(
+    observations: torch.Tensor | Mapping[str, torch.Tensor], architecture: Architecture
+) -> Observation:
+    """Split what a policy is given, in float32.
+
+    Args:
+        observations: flat ones (B, observation_size), or a dict of them and of heightmaps and base codes, if any.
+        architecture: the sizes.
+
+    Raises:
+        ValueError: if the width is not the architecture's.
+    """
+    parts = parts_of(observations)
+    heightmap = parts[HEIGHTMAP].float() if HEIGHTMAP in parts else None
+    split = split_observation(parts[FLAT].float(), architecture, heightmap)
+    return split._replace(base_code=parts.get(BASE_CODE))
 
 
 def split_observation(

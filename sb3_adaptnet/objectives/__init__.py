@@ -1,1 +1,18 @@
 """What training maximises: imitation, goal and further rewards, their advantages and step sizes."""
+
+from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
+from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
+from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
+from sb3_adaptnet.objectives.imitation import ImitationObjective
+from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
+from sb3_adaptnet.objectives.schedule import Schedule
+
+__all__ = [
+    "TERMS",
+    "AttributeRamp",
+    "DiscriminatorRewardCallback",
+    "ImitationObjective",
+    "ObjectiveRolloutBuffer",
+    "RewardTerm",
+    "Schedule",
+]

@@ -1,16 +1,15 @@
 """Rollout buffer of several objectives: K rewards, K values, one advantage (the paper's eq. 9)."""
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Generator, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
-from gymnasium import spaces
+from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.type_aliases import TensorDict
 
-BOX = "observation"  # key under which a Box observation is kept
-BASE_CODE = "base_code"  # key under which a policy takes back what its frozen base made of the observations
+from sb3_adaptnet.modules.observation import BASE_CODE, parts_of, whole_of
 
 
 class ValueNorm(Protocol):
@@ -37,14 +36,17 @@ class ObjectiveSamples(NamedTuple):
     returns: torch.Tensor
 
 
+Batches = Generator[ObjectiveSamples, None, None]
+
+
 def generalized_advantages(
-    rewards: np.ndarray,
-    values: np.ndarray,
-    last_values: np.ndarray,
-    dones: np.ndarray,
+    rewards: NDArray[np.floating],
+    values: NDArray[np.floating],
+    last_values: NDArray[np.floating],
+    dones: NDArray[np.bool_],
     gamma: float,
     gae_lambda: float,
-) -> np.ndarray:
+) -> NDArray[np.floating]:
     """Compute generalised advantage estimates (Schulman et al. 2016), each objective by itself.
 
     Args:
@@ -69,7 +71,7 @@ def generalized_advantages(
     return advantages
 
 
-def combine_advantages(advantages: np.ndarray, weights: Sequence[float]) -> np.ndarray:
+def combine_advantages(advantages: NDArray[np.floating], weights: Sequence[float]) -> NDArray[np.float32]:
     """Standardise each objective over the whole rollout, then sum with weights (eq. 9: sum_k w_k A_k).
 
     Args:
@@ -92,17 +94,18 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
     reward column is known; `get` refuses to hand out samples before that.
 
     Attributes:
+        observations: (T, N, ...) per key; flat ones of a Box under "observation", and "base_code" where the callback
+            keeps it.
         values, returns: (T, N, K) in real units after `finish`.
         advantages: (T, N), standardised per objective and combined.
     """
 
-    observations: dict[str, np.ndarray]  # type: ignore[assignment]  # (T, N, ...) per key
+    observations: dict[str, NDArray[Any]]  # type: ignore[assignment]  # SB3 has another class where they are dicts
 
     def __init__(
         self,
         *args: Any,
         num_objectives: int = 1,
-        base_code: Callable[[], torch.Tensor | None] | None = None,
         **kwargs: Any,
     ) -> None:
         """Build the buffer.
@@ -110,12 +113,9 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         Args:
             *args: `RolloutBuffer`'s, as are `kwargs`.
             num_objectives: K.
-            base_code: what gives the frozen base's code (N, H) of the step being added, or None if there is no frozen
-                base. It is kept with the observations, so that an update's epochs need not encode them again.
             **kwargs: see `args`.
         """
         self.num_objectives = num_objectives
-        self._base_code = base_code
         super().__init__(*args, **kwargs)
 
     def reset(self) -> None:
@@ -126,8 +126,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
 
     def _allocate(self) -> None:
         shape = (self.buffer_size, self.n_envs)
-        space = self.observation_space
-        subspaces = space.spaces if isinstance(space, spaces.Dict) else {BOX: space}
+        subspaces = parts_of(self.observation_space)
         self.observations = {k: np.zeros((*shape, *(s.shape or ())), s.dtype) for k, s in subspaces.items()}
         self.actions = np.zeros((*shape, self.action_dim), np.float32)
         self.episode_starts = np.zeros(shape, np.float32)
@@ -138,20 +137,18 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         self.returns = np.zeros((*shape, self.num_objectives), np.float32)
         self.last_dones = np.zeros(self.n_envs, bool)
 
-    def add(  # type: ignore[override]
+    def add(
         self,
-        obs: np.ndarray | dict[str, np.ndarray],
-        action: np.ndarray,
-        reward: np.ndarray,
-        episode_start: np.ndarray,
+        obs: NDArray[Any] | dict[str, NDArray[Any]],
+        action: NDArray[np.floating],
+        reward: NDArray[np.floating],
+        episode_start: NDArray[Any],
         value: torch.Tensor,
         log_prob: torch.Tensor,
     ) -> None:
         """Keep one step of all N worlds; `value` is (N, K)."""
-        observations = obs if isinstance(obs, dict) else {BOX: obs}
-        for key, values in observations.items():
+        for key, values in parts_of(obs).items():
             self.observations[key][self.pos] = values
-        self._keep_base_code()
         self.actions[self.pos] = action.reshape(self.n_envs, self.action_dim)
         self.rewards[self.pos] = reward
         self.episode_starts[self.pos] = episode_start
@@ -160,21 +157,26 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         self.pos += 1
         self.full = self.pos == self.buffer_size
 
-    def _keep_base_code(self) -> None:
-        code = self._base_code() if self._base_code is not None else None
-        if code is None:
-            return
+    def keep_base_code(self, code: torch.Tensor) -> None:
+        """Keep a frozen base's code (N, H) of the observations that `add` will keep next.
+
+        It comes back with the samples' observations, so that an update's epochs need not encode them again.
+        """
         if BASE_CODE not in self.observations:
             self.observations[BASE_CODE] = np.zeros((self.buffer_size, *code.shape), np.float32)
         self.observations[BASE_CODE][self.pos] = code.cpu().numpy()
 
-    def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: np.ndarray) -> None:
+    def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: NDArray[np.bool_]) -> None:
         """Note which worlds ended with the last step; the returns wait for `finish`."""
         del last_values  # the weighted sum of all objectives: of no use here
         self.last_dones = np.array(dones, bool)
 
     def finish(
-        self, rewards: np.ndarray, last_values: np.ndarray, weights: Sequence[float], value_norm: ValueNorm
+        self,
+        rewards: NDArray[np.float32],
+        last_values: NDArray[np.float32],
+        weights: Sequence[float],
+        value_norm: ValueNorm,
     ) -> None:
         """Fill in advantages and returns, and the critic's normaliser.
 
@@ -192,7 +194,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         self._flat = self._flatten(value_norm)
         self.finished = True
 
-    def _columns(self, array: np.ndarray) -> torch.Tensor:
+    def _columns(self, array: NDArray[np.floating]) -> torch.Tensor:
         return torch.from_numpy(array.reshape(-1, self.num_objectives)).to(self.device)
 
     def _flatten(self, value_norm: ValueNorm) -> dict[str, torch.Tensor]:
@@ -206,7 +208,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
             "returns": value_norm.normalize(self._columns(self.returns)).cpu(),
         }
 
-    def get(self, batch_size: int | None = None) -> Generator[ObjectiveSamples, None, None]:  # type: ignore[override]
+    def get(self, batch_size: int | None = None) -> Batches:  # type: ignore[override]  # SB3's samples know no dicts
         """Yield minibatches in a random order.
 
         Raises:
@@ -220,17 +222,17 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         size = self.buffer_size * self.n_envs
         order = torch.from_numpy(np.random.permutation(size))
         for start in range(0, size, batch_size or size):
-            yield self._get_samples(order[start : start + (batch_size or size)])
+            yield self._samples(order[start : start + (batch_size or size)])
 
-    def _get_samples(self, batch_inds: torch.Tensor, env: Any = None) -> ObjectiveSamples:  # type: ignore[override]
+    def _samples(self, rows: torch.Tensor) -> ObjectiveSamples:
         size = self.buffer_size * self.n_envs
-        flat = {k: v[batch_inds].to(self.device) for k, v in self._flat.items()}
+        flat = {k: v[rows].to(self.device) for k, v in self._flat.items()}
         observations = {
-            k: torch.from_numpy(v.reshape(size, *v.shape[2:]))[batch_inds].to(self.device)
+            k: torch.from_numpy(v.reshape(size, *v.shape[2:]))[rows].to(self.device)
             for k, v in self.observations.items()
         }
         return ObjectiveSamples(
-            observations=observations[BOX] if observations.keys() == {BOX} else observations,
+            observations=whole_of(observations),
             actions=flat["actions"],
             old_values=flat["old_values"].flatten(),
             old_log_prob=flat["old_log_prob"],

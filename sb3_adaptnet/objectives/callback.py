@@ -2,10 +2,12 @@
 
 import weakref
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
+from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import obs_as_tensor
@@ -17,9 +19,12 @@ from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
 from sb3_adaptnet.objectives.rollout_log import Rollout
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
+from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.policies.optimizer_groups import ACTOR, set_step_size, step_size
 
 IMITATION, GOAL = "imitation", "goal"
-DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}  # the paper, app. B; motion styles take 0.35 and 0.65
+DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}
+"""Weights of eq. 9 (the paper, app. B); motion styles take 0.35 and 0.65."""
 
 
 class DiscriminatorRewardCallback(BaseCallback):
@@ -52,8 +57,8 @@ class DiscriminatorRewardCallback(BaseCallback):
         Args:
             objective_weights: name to weight (w_k of eq. 9). "imitation" is the discriminators' reward, "goal" the
                 environment's; every other name stands in `reward_terms` or in `TERMS` of `reward_terms.py`, as
-                "footing" does. Default: 0.5 and 0.5. A weight is a number,
-                or samples -> number, joined by straight lines: `{0: 0.5, 1_000_000: 0.2}`.
+                "footing" does. Default: 0.5 and 0.5. A weight is a number, or samples -> number, joined by straight
+                lines: `{0: 0.5, 1_000_000: 0.2}`.
             terminal_reward: reward of every objective where an episode ended by a fall, lost or diverged.
             kl_range: range of the KL divergence to steer the actor's step size to; None keeps it fixed.
             actor_lr_range: smallest and largest effective learning rate of the actor.
@@ -81,8 +86,16 @@ class DiscriminatorRewardCallback(BaseCallback):
         self._learner: Callable[[], BaseAlgorithm | None] = lambda: None  # whose discriminators these are
         self._in_training = False
 
+    @property
+    def _ppo(self) -> PPO:
+        return cast(PPO, self.model)
+
+    @property
+    def _policy(self) -> ObjectivePolicy:
+        return cast(ObjectivePolicy, self.model.policy)
+
     def _init_callback(self) -> None:
-        model: Any = self.model
+        model = self._ppo
         if not hasattr(model.policy, "set_objectives"):
             raise ValueError(
                 f"DiscriminatorRewardCallback needs one of this package's policies (AdaptNetPolicy, PretrainPolicy), "
@@ -93,11 +106,11 @@ class DiscriminatorRewardCallback(BaseCallback):
             raise ValueError(
                 "leave VecNormalize out: the policies normalise by themselves, and a base must see what it knows"
             )
-        model.policy.set_objectives(self._weights_now())
+        self._policy.set_objectives(self._weights_now())
         if not self._in_training:
             self._stock_normalize_advantage, self._in_training = model.normalize_advantage, True
         model.normalize_advantage = False  # advantages are standardised per objective already
-        self._install_buffer()
+        self.buffer = model.rollout_buffer = self._make_buffer()
         self.rollout = Rollout(model.n_steps, model.n_envs)
         if self.imitation is None or self._learner() is not model:
             self.rng = np.random.default_rng(model.seed)
@@ -107,9 +120,9 @@ class DiscriminatorRewardCallback(BaseCallback):
     def _weights_now(self) -> list[float]:
         return [value_at(weight, self.model.num_timesteps) for weight in self.weights.values()]
 
-    def _install_buffer(self) -> None:
-        model: Any = self.model
-        model.rollout_buffer = ObjectiveRolloutBuffer(
+    def _make_buffer(self) -> ObjectiveRolloutBuffer:
+        model = self._ppo
+        return ObjectiveRolloutBuffer(
             model.n_steps,
             model.observation_space,
             model.action_space,
@@ -118,35 +131,32 @@ class DiscriminatorRewardCallback(BaseCallback):
             gae_lambda=model.gae_lambda,
             n_envs=model.n_envs,
             num_objectives=len(self.objectives),
-            base_code=lambda: model.policy.base_code,
         )
 
     def _build_discriminators(self) -> None:
         if IMITATION not in self.weights:
             return
-        model: Any = self.model
         _, _, links, numbers = reference_windows(self.training_env, 1, np.random.default_rng(0)).shape
-        settings = {"precision": getattr(model.policy, "precision", "fp32"), **self.discriminator_kwargs}
+        settings = {"precision": self._policy.precision, **self.discriminator_kwargs}
         settings["network"] = {"links": links, "numbers": numbers, **settings.get("network", {})}
-        self.imitation = ImitationObjective(device=model.device, **settings)
+        self.imitation = ImitationObjective(device=self.model.device, **settings)
 
     def _on_training_end(self) -> None:
-        self.model.normalize_advantage = self._stock_normalize_advantage  # type: ignore[attr-defined]
+        self._ppo.normalize_advantage = self._stock_normalize_advantage
         self._in_training = False
 
     def _on_rollout_start(self) -> None:
         self.rollout.clear()
-        model: Any = self.model
-        model.policy.set_objectives(self._weights_now())
+        self._policy.set_objectives(self._weights_now())
         kl = self.logger.name_to_value.get("train/approx_kl")  # of the update between the two rollouts
         self.kl = float(kl) if kl is not None else None
         if self.kl_range is not None and self.kl is not None:
             self._set_step_size(self.kl)
 
     def _set_step_size(self, kl: float) -> None:
-        group = self.model.policy.optimizer.group("actor")  # type: ignore[attr-defined]
-        rate = next_step_size(group["lr"] * group["lr_scale"], kl, self.kl_range or KL_RANGE, self.actor_lr_range)
-        group["lr_scale"] = rate / group["lr"]
+        optimizer = self._policy.optimizer
+        size = next_step_size(step_size(optimizer, ACTOR), kl, self.kl_range or KL_RANGE, self.actor_lr_range)
+        set_step_size(optimizer, ACTOR, size)
 
     def _on_step(self) -> bool:
         step = self.locals
@@ -154,6 +164,8 @@ class DiscriminatorRewardCallback(BaseCallback):
         rewards.update({name: term(step) for name, term in self.reward_terms.items() if name in self.weights})
         windows = pose_windows(self.training_env) if self.imitation is not None else None
         self.rollout.add(rewards, step["dones"], step["infos"], windows)
+        if self._policy.base_code is not None:
+            self.buffer.keep_base_code(self._policy.base_code)
         return True
 
     def _on_rollout_end(self) -> None:
@@ -162,8 +174,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         columns = np.stack([rewards[name] for name in self.objectives], axis=-1)
         columns[self.rollout.terminated] = self.terminal_reward
         last_values = self._bootstrap(columns)
-        model: Any = self.model
-        model.rollout_buffer.finish(columns, last_values, model.policy.objective_weights, model.policy.value_norm)
+        self.buffer.finish(columns, last_values, self._policy.objective_weights, self._policy.value_norm)
         self._record(statistics)
 
     def _imitate(self) -> dict[str, float]:
@@ -177,15 +188,14 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.rollout.rewards[IMITATION] = self.imitation.rewards(windows).reshape(steps, worlds)
         return statistics
 
-    def _bootstrap(self, columns: np.ndarray) -> np.ndarray:
+    def _bootstrap(self, columns: NDArray[np.float32]) -> NDArray[np.float32]:
         """Add gamma V(terminal observation) where a time limit ended an episode; return the last values (N, K)."""
         limits = self.rollout.time_limits
-        observations = stack_observations([limit[2] for limit in limits], self.locals["new_obs"])
-        model: Any = self.model
+        observations = obs_as_tensor(self.rollout.observations_to_bootstrap(self.locals["new_obs"]), self.model.device)
         with torch.no_grad():
-            values = model.policy.predict_objective_values(obs_as_tensor(observations, model.device)).cpu().numpy()
+            values = self._policy.predict_objective_values(observations).cpu().numpy()
         for (step, world, _), value in zip(limits, values[: len(limits)], strict=True):
-            columns[step, world] += model.gamma * value
+            columns[step, world] += self._ppo.gamma * value
         return values[len(limits) :]
 
     def _record(self, statistics: dict[str, float]) -> None:
@@ -193,8 +203,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.metrics["falls_per_minute"] = self.rollout.falls_per_minute()
         if self.rollout.lengths:
             self.metrics["episode_length"] = float(np.mean(self.rollout.lengths))
-        group = self.model.policy.optimizer.group("actor")  # type: ignore[attr-defined]
-        self.metrics["actor_lr"] = group["lr"] * group["lr_scale"]
+        self.metrics["actor_lr"] = step_size(self._policy.optimizer, ACTOR)
         if self.kl is not None:
             self.metrics["kl"] = self.kl
         for name, value in self.metrics.items():
@@ -205,7 +214,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         self._record_explained_variance()
 
     def _record_explained_variance(self) -> None:
-        buffer: Any = self.model.rollout_buffer  # type: ignore[attr-defined]
+        buffer = self.buffer
         residual = (buffer.returns - buffer.values).var(axis=(0, 1)) / (buffer.returns.var(axis=(0, 1)) + 1e-8)
         for name, share in zip(self.objectives, residual, strict=True):
             self.logger.record(f"objectives/{name}_explained_variance", 1.0 - float(share))
@@ -220,15 +229,6 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.rng.bit_generator.state = state["rng"]
         if self.imitation is not None:
             self.imitation.load_state_dict(state["imitation"])
-
-
-def stack_observations(terminal: list[Any], last: Any) -> Any:
-    """Append the last observations (N, ...) to a list of single ones, for Box arrays and dicts of arrays."""
-    if not terminal:
-        return last
-    if isinstance(last, dict):
-        return {key: np.concatenate([np.stack([o[key] for o in terminal]), last[key]]) for key in last}
-    return np.concatenate([np.stack(terminal), last])
 
 
 def _check(

@@ -5,13 +5,27 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from sb3_adaptnet.modules.discriminator import Discriminator, hinge_loss, imitation_reward
 from sb3_adaptnet.modules.layers.precision import autocast
 
-GRADIENT_PENALTY = 10.0  # the paper's Table 4
-BATCH_SIZE = 512  # the paper's Table 4; half simulated, half reference
-SCORE_CHUNK = 4096  # windows scored at once, to bound memory
+GRADIENT_PENALTY = 10.0
+"""Coefficient of eq. 10's last term; the paper's Table 4."""
+BATCH_SIZE = 512
+"""Windows in one update, half simulated, half reference; the paper's Table 4."""
+SCORE_CHUNK = 4096
+"""Windows scored at once, to bound memory."""
+STATISTICS = (
+    "loss",
+    "gradient_norm",
+    "score_reference",
+    "score_simulated",
+    "accuracy_reference",
+    "accuracy_simulated",
+    "update_norm",
+)
+"""What an update reports, in the order of `ImitationObjective._step`."""
 
 
 class ImitationObjective:
@@ -61,7 +75,9 @@ class ImitationObjective:
         self.discriminator = Discriminator(**(network or {})).to(self.device)
         self.optimizer = torch.optim.Adam(self.discriminator.parameters(), lr=learning_rate, fused=True)
 
-    def update(self, simulated: np.ndarray, reference: np.ndarray, rng: np.random.Generator) -> dict[str, float]:
+    def update(
+        self, simulated: NDArray[np.float32], reference: NDArray[np.float32], rng: np.random.Generator
+    ) -> dict[str, float]:
         """Train for one pass over a rollout.
 
         Args:
@@ -102,7 +118,7 @@ class ImitationObjective:
         return torch.stack([x.detach() for x in row])
 
     @torch.no_grad()
-    def rewards(self, windows: np.ndarray) -> np.ndarray:
+    def rewards(self, windows: NDArray[np.float32]) -> NDArray[np.float32]:
         """Imitation reward (eq. 11) of pose windows (M, frames, links, 7): (M,); -1 where a window is not finite."""
         finite = finite_rows(windows)
         chunks = []
@@ -121,21 +137,10 @@ class ImitationObjective:
         self.discriminator.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])
 
-    def _tensor(self, array: np.ndarray) -> torch.Tensor:
+    def _tensor(self, array: NDArray[np.float32]) -> torch.Tensor:
         return torch.from_numpy(np.ascontiguousarray(array, np.float32)).to(self.device)
 
 
-STATISTICS = (
-    "loss",
-    "gradient_norm",
-    "score_reference",
-    "score_simulated",
-    "accuracy_reference",
-    "accuracy_simulated",
-    "update_norm",
-)
-
-
-def finite_rows(windows: np.ndarray) -> np.ndarray:
+def finite_rows(windows: NDArray[np.floating]) -> NDArray[np.bool_]:
     """Which rows of (M, ...) hold finite numbers alone: (M,) bool."""
     return np.isfinite(windows.reshape(len(windows), -1)).all(axis=1)

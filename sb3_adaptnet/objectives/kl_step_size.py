@@ -2,8 +2,10 @@
 
 import math
 
-KL_RANGE = (0.012, 0.03)  # per update, measured to learn fast without breaking the policy
-SCALE_STEP = 1.5  # factor of one correction
+KL_RANGE = (0.012, 0.03)
+"""Range of the KL divergence per update [nats], measured to learn fast without breaking the policy."""
+SCALE_STEP = 1.5
+"""Factor of one correction of the step size."""
 
 
 def next_step_size(

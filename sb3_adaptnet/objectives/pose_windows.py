@@ -1,12 +1,14 @@
 """Pose windows of any Stable-Baselines3 VecEnv: native, DummyVecEnv, SubprocVecEnv, wrapped or not."""
 
 import numpy as np
+from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 NEEDED = "the discriminators need an environment with `pose_windows` and `sample_reference_windows(n, rng)`"
+"""What an error says of an environment that lacks either."""
 
 
-def pose_windows(env: VecEnv) -> np.ndarray:
+def pose_windows(env: VecEnv) -> NDArray[np.float32]:
     """Return the windows (N, 5, 15, 7) of the transition just made: position [m] and quaternion wxyz per link.
 
     Raises:
@@ -21,8 +23,8 @@ def pose_windows(env: VecEnv) -> np.ndarray:
         raise ValueError(f"{NEEDED}; {type(env).__name__} has no pose_windows") from error
 
 
-def reference_windows(env: VecEnv, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Draw `count` windows (count, 5, 15, 7) from the environment's clips.
+def reference_windows(env: VecEnv, count: int, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Sample `count` windows (count, 5, 15, 7) from the environment's clips.
 
     A child generator goes to the environment, since one in another process could not advance `rng`.
 

@@ -5,12 +5,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-RewardTerm = Callable[[dict[str, Any]], np.ndarray]
+RewardTerm = Callable[[dict[str, Any]], NDArray[np.floating]]
 """PPO's local variables at a step to rewards (N,)."""
 
 
-def environments_own(attribute: str, step: dict[str, Any]) -> np.ndarray:
+def environments_own(attribute: str, step: dict[str, Any]) -> NDArray[np.float32]:
     """Rewards (N,) of the transition just made, which the environments keep under this name.
 
     Raises:

@@ -4,8 +4,12 @@ from collections import Counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-CONTROL_HZ = 30  # control steps per simulated second (the paper, sec. 7)
+from sb3_adaptnet.modules.observation import parts_of, whole_of
+
+CONTROL_HZ = 30
+"""Control steps per simulated second [Hz] (the paper, sec. 7)."""
 
 
 class Rollout:
@@ -23,8 +27,8 @@ class Rollout:
     def __init__(self, steps: int, worlds: int) -> None:
         """Make room for `steps` x `worlds` transitions."""
         self.shape = (steps, worlds)
-        self.windows: np.ndarray | None = None
-        self.rewards: dict[str, np.ndarray] = {}
+        self.windows: NDArray[np.float32] | None = None
+        self.rewards: dict[str, NDArray[np.float32]] = {}
         self.terminated = np.zeros(self.shape, bool)
         self.clear()
 
@@ -38,10 +42,10 @@ class Rollout:
 
     def add(
         self,
-        rewards: dict[str, np.ndarray],
-        dones: np.ndarray,
+        rewards: dict[str, NDArray[np.float32]],
+        dones: NDArray[np.bool_],
         infos: list[dict[str, Any]],
-        windows: np.ndarray | None,
+        windows: NDArray[np.float32] | None,
     ) -> None:
         """Copy one step; PPO changes `rewards` in place afterwards, and environments may reuse `windows`."""
         for name, column in rewards.items():
@@ -63,6 +67,14 @@ class Rollout:
             self.time_limits.append((self.step, world, info["terminal_observation"]))
         else:
             self.terminated[self.step, world] = True
+
+    def observations_to_bootstrap(self, last: Any) -> Any:
+        """Observations whose values are still wanted: those that time limits cut, then the `last` ones (N, ...)."""
+        if not self.time_limits:
+            return last
+        ended = [parts_of(observation) for _, _, observation in self.time_limits]
+        stacked = {key: np.stack([parts[key] for parts in ended]) for key in ended[0]}
+        return whole_of({key: np.concatenate([stacked[key], rows]) for key, rows in parts_of(last).items()})
 
     def falls_per_minute(self) -> float:
         """Falls, lost and diverged episodes per simulated minute."""

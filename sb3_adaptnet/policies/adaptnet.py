@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from sb3_adaptnet.modules.observation import Observation
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.weights.checkpoint import ADAPTATION, build_checked, check_base, load_checked, read_adaptation
 
-TRAINED = "main"  # name of the adaptation that a policy trains
+TRAINED = "main"
+"""Name of the adaptation that a policy trains."""
 
 
 class AdaptNetPolicy(PolicyFromBase):
@@ -71,13 +73,7 @@ class AdaptNetPolicy(PolicyFromBase):
         """
         if not injector and adaptors is None:
             raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
-        self._choices = {
-            "injection": injection,
-            "own_encoder": own_encoder,
-            "adaptors": adaptors,
-            "rank": rank,
-            "injector": injector,
-        }
+        self._shape = AdaptationShape(injection, own_encoder, adaptors, rank, injector)
         self._penalties = Penalties(beta, kappa)
         self.merged = False
         super().__init__(observation_space, action_space, lr_schedule, use_sde, base, **settings)
@@ -85,7 +81,7 @@ class AdaptNetPolicy(PolicyFromBase):
 
     def adapt(self, base: Backbone) -> AdaptedActor:
         """The base with an adaptation that does nothing yet."""
-        shape = AdaptationShape(heightmap=self.reads_heightmap and self._choices["injector"], **self._choices)  # type: ignore
+        shape = replace(self._shape, heightmap=self.reads_heightmap and self._shape.injector)
         adaptation = Adaptation(base.architecture, shape)
         adaptation.start_from(base)
         return AdaptedActor(base, {TRAINED: adaptation}, self._penalties)

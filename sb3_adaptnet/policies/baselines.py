@@ -39,7 +39,7 @@ class FinetunePolicy(PolicyFromBase):
         return _learning(Backbone(Architecture.from_dict(description["architecture"])))
 
     def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
-        """The whole network, as a base of its own."""
+        """The whole network, as a base."""
         return BASE, self.actor, self.describe_actor() | {"method": "finetune"}
 
 
@@ -77,7 +77,7 @@ class RegularizedFinetunePolicy(PolicyFromBase):
         return super().describe_actor() | {"base_heightmap": self.actor.base.architecture.heightmap}
 
     def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
-        """The network that learned, as a base of its own."""
+        """The network that learned, as a base."""
         return BASE, self.actor.network, super().describe_actor() | {"method": "finetune-reg"}
 
 

@@ -90,9 +90,10 @@ class PolicyFromBase(ObjectivePolicy):
             "base": {"name": self.base_name, "hash": self.base_hash},
         }
 
-    def _become(self, description: Mapping[str, Any]) -> None:
+    def become(self, description: Mapping[str, Any]) -> None:
+        """As any policy, and take over whose base it was: the weights to come bring it along."""
         base = description["actor"]["base"]
-        super()._become(description)
+        super().become(description)
         self.base_name, self.base_hash, self._missing = base["name"], base["hash"], None
 
     def _get_constructor_parameters(self) -> dict[str, Any]:

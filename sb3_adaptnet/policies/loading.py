@@ -14,7 +14,8 @@ from sb3_adaptnet.weights.checkpoint import BASE, AdaptationFile, read_adaptatio
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
 from sb3_adaptnet.weights.weight_file import CheckpointError
 
-_ADAPTING = {"adaptnet": AdaptNetPolicy, "progressive": ProgressivePolicy}  # a card's "method" -> policy
+_ADAPTING = {"adaptnet": AdaptNetPolicy, "progressive": ProgressivePolicy}
+"""What a card calls its "method" -> the policy that acts with it."""
 
 
 def load_policy(
@@ -70,7 +71,7 @@ def _adapted_policy(
     if method not in _ADAPTING:
         raise CheckpointError(f"{str(read.file)!r} was made by {method!r}, but known methods are {list(_ADAPTING)}")
     policy = _ADAPTING[method](observations, actions, _no_learning, base=base or _find_base(read))
-    policy.load_adaptation(read.file)  # type: ignore[attr-defined]
+    policy.load_adaptation(read.file)
     return policy
 
 

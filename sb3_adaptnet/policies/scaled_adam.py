@@ -29,7 +29,7 @@ class ScaledAdam(torch.optim.Adam):
         super().add_param_group(param_group)
 
     @torch.no_grad()
-    def step(self, closure: Any = None) -> Any:  # type: ignore[override]
+    def step(self, closure: Any = None) -> Any:
         """Take one step with `lr * lr_scale` in every group; `lr` itself is left as it was."""
         rates = [group["lr"] for group in self.param_groups]
         for group in self.param_groups:
@@ -39,15 +39,3 @@ class ScaledAdam(torch.optim.Adam):
         finally:
             for group, rate in zip(self.param_groups, rates, strict=True):
                 group["lr"] = rate
-
-    def group(self, name: str) -> dict[str, Any]:
-        """Return the parameter group called `name`.
-
-        Raises:
-            KeyError: if there is no such group; the message lists the names there are.
-        """
-        for group in self.param_groups:
-            if group.get("name") == name:
-                return group
-        names = ", ".join(str(group.get("name")) for group in self.param_groups)
-        raise KeyError(f"no parameter group {name!r}; the optimiser has: {names}")

@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
+from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.heightmap import HEIGHTMAP_SIZE
 
 _HEIGHTMAP_SHAPE = (1, HEIGHTMAP_SIZE, HEIGHTMAP_SIZE)
@@ -32,8 +34,8 @@ def action_joints(action_space: spaces.Space) -> tuple[str, ...]:
     return joints
 
 
-def mean_pose(action_space: spaces.Space) -> np.ndarray:
-    """The clips' mean pose as an action (n,), at which a fresh policy starts.
+def mean_pose(action_space: spaces.Space) -> NDArray[np.float32]:
+    """The clips' mean pose as an action (n,) in [-1, 1], at which a fresh policy starts.
 
     Raises:
         ValueError: if the space does not carry it.
@@ -67,3 +69,17 @@ def has_heightmap(observation_space: spaces.Space) -> bool:
         f"observations must be Box(784,) or Dict(observation=Box(784,), heightmap=Box{_HEIGHTMAP_SHAPE}), "
         f"not {observation_space}"
     )
+
+
+def check_network_fits(architecture: Architecture, observation_space: spaces.Space) -> None:
+    """Refuse a network that reads other observations than the environment gives.
+
+    Raises:
+        ValueError: for another width, or a heightmap that is missing.
+    """
+    flat = observation_space["observation"] if isinstance(observation_space, spaces.Dict) else observation_space
+    shape = flat.shape
+    if shape != (architecture.observation_size,):
+        raise ValueError(f"observations have shape {shape}, but the network reads ({architecture.observation_size},)")
+    if architecture.heightmap and not has_heightmap(observation_space):
+        raise ValueError(f"the network reads a heightmap, but the observation space {observation_space} has none")

@@ -6,13 +6,16 @@ from pathlib import Path
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from sb3_adaptnet.runs.history import Row
-from sb3_adaptnet.runs.run_folder import RunFolder, write_atomically
+from sb3_adaptnet.runs.run_folder import RunFolder
+from sb3_adaptnet.weights.atomic_file import write_atomically
 
 FALLS, LENGTH = "falls_per_minute", "episode_length"
 LABELS = {FALLS: "falls per minute", LENGTH: "episode length [steps]"}
-WINDOW = 15  # rollouts that the strong line is the mean of
+WINDOW = 15
+"""Number of rollouts that the strong line averages."""
 
 
 def draw_curve(rows: Sequence[Row], folder: RunFolder) -> None:
@@ -56,7 +59,7 @@ def panels(histories: Mapping[str, Sequence[Row]]) -> list[str]:
     return [*(column for column in found if column.endswith("_reward")), FALLS, LENGTH]
 
 
-def moving_mean(values: np.ndarray, window: int = WINDOW) -> np.ndarray:
+def moving_mean(values: NDArray[np.floating], window: int = WINDOW) -> NDArray[np.floating]:
     """Mean of up to `window` values around each; shorter at both ends."""
     if not len(values):
         return values

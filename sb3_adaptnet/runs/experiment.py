@@ -1,6 +1,7 @@
 """Experiments of the zoo's YAML files: what to train with on an environment."""
 
 import inspect
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -14,9 +15,13 @@ from stable_baselines3.common.callbacks import BaseCallback
 from sb3_adaptnet.weights.shipped import zoo_config_path
 
 DEFAULT_CONF = "ppo"
-LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # plain values alone, in C where libyaml is there
-FALLBACK = "default"  # entry for ids that have none of their own, as in rl_zoo3
-RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")  # of the run, not of PPO
+"""Configuration that is read where none is named."""
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+"""Reads plain values alone, in C where libyaml is there."""
+FALLBACK = "default"
+"""Entry for ids that are not named in the file, as in rl_zoo3."""
+RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")
+"""Keys of an entry that belong to the run, not to PPO."""
 NOT_FROM_YAML = ("self", "env", "policy", "_init_setup_model")
 PPO_KEYS = tuple(name for name in inspect.signature(PPO.__init__).parameters if name not in NOT_FROM_YAML)
 
@@ -44,7 +49,7 @@ class Experiment:
     env_kwargs: dict[str, Any] = field(default_factory=dict)
 
     def make_callbacks(self) -> list[BaseCallback]:
-        """Make the callbacks anew; one that has been in a training cannot serve another."""
+        """Make fresh callbacks; one that has been in a training cannot serve another."""
         return [cls(**kwargs) for cls, kwargs in self.callbacks]
 
 
@@ -132,7 +137,7 @@ def read_entry(file: Path, env_id: str) -> dict[str, Any]:
         raise ValueError(f"{file} is not a YAML file: {' '.join(str(error).split())}") from error
     if not isinstance(entries, dict):
         raise ValueError(f"{file} must hold a mapping from environment ids to their settings")
-    names = (env_id, env_id.rpartition(":")[2], FALLBACK)  # "module:id" may have an entry of its own, or its id's
+    names = (env_id, env_id.rpartition(":")[2], FALLBACK)  # "module:id" may have its own entry, or its id's
     entry = next((entries[name] for name in names if name in entries), None)
     if not isinstance(entry, dict):
         known = ", ".join(key for key in entries if not str(key).startswith("."))
@@ -163,13 +168,16 @@ def load_class(name: str, where: str) -> type:
     """Import a class by its dotted name.
 
     Raises:
-        ValueError: if there is no such module or class.
+        ValueError: if there is no such module or class. One that its package exports under a shorter name is named.
     """
     module, _, attribute = str(name).rpartition(".")
     try:
         return getattr(import_module(module), attribute)
     except (ImportError, AttributeError, ValueError) as error:
-        raise ValueError(f"{where}: no class {name!r} ({error})") from error
+        package = module.partition(".")[0]
+        moved = hasattr(sys.modules.get(package), attribute)
+        hint = f"; write {package}.{attribute}" if moved else f" ({error})"
+        raise ValueError(f"{where}: no class {name!r}{hint}") from error
 
 
 def arguments_of(cls: type) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ def reward_column(objective: str) -> str:
 
 
 def write_rows(path: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
-    """Write a file of its own with a header; a row's missing numbers stay empty."""
+    """Write a file with a header; a row's missing numbers stay empty."""
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, columns, restval="", extrasaction="ignore")
         writer.writeheader()

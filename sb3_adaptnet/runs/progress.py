@@ -3,7 +3,9 @@
 import sys
 import time
 from collections.abc import Sequence
+from typing import cast
 
+from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from tqdm import tqdm
 
@@ -79,7 +81,7 @@ class RunProgress(BaseCallback):
         now = time.monotonic()
         spent, self._clock = now - self._clock, now
         self.seconds += spent
-        batch = self.model.n_steps * self.training_env.num_envs  # type: ignore[attr-defined]
+        batch = cast(PPO, self.model).n_steps * self.training_env.num_envs
         metrics = self.discriminators.metrics
         row: Row = {"samples": self.num_timesteps, "seconds": round(self.seconds, 2)}
         row["samples_per_second"] = round(batch / max(spent, 1e-9), 1)

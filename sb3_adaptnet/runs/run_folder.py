@@ -1,20 +1,21 @@
 """The folder of one training run: what was asked for, its configuration, checkpoint, progress, curve."""
 
 import json
-import os
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import torch
 import yaml
 
 from adapt_envs.motion.library import load_clip, ships
 from sb3_adaptnet.runs.experiment import Experiment, conf_path, experiment, read_entry
+from sb3_adaptnet.weights.atomic_file import write_atomically
 
 RUNS = Path("runs")
-MOTION = "motion.npz"  # the clip as it was trained on, if it is none of those that ship
+"""Folder of the runs that were given no path, in the working directory."""
+MOTION = "motion.npz"
+"""File in a run's folder: the clip as it was trained on, if it is none of those that ship."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class RunFolder:
     Attributes:
         path: the folder.
         settings: what was asked for.
-        motion: A copy of the clip, if it does not ship: the folder may be moved.
+        motion: a copy of the clip, if it does not ship: the folder may be moved.
         config: the zoo's entry as it was when the run began; a resumed run reads it again.
     """
 
@@ -113,7 +114,7 @@ class RunFolder:
         return experiment(self.settings.env_id, self.settings.base, self.config)
 
     def write_settings(self, settings: RunSettings) -> None:
-        """Write `run.json`; a clip of the folder's own is named without the folder, which may move."""
+        """Write `run.json`; a clip in the folder is named without the folder, which may move."""
         self.settings = settings
         motion = MOTION if settings.motion == str(self.motion) else settings.motion
         text = json.dumps(asdict(replace(settings, motion=motion)), indent=2) + "\n"
@@ -143,13 +144,3 @@ def next_path(env_id: str) -> Path:
     while (RUNS / f"{name}_{number}").exists():
         number += 1
     return RUNS / f"{name}_{number}"
-
-
-def write_atomically(path: Path, write: Callable[[BinaryIO], Any]) -> None:
-    """Write a file beside `path`, flush it to disk, then rename it over `path`."""
-    temporary = path.with_name(path.name + ".tmp")
-    with temporary.open("wb") as stream:
-        write(stream)
-        stream.flush()
-        os.fsync(stream.fileno())
-    os.replace(temporary, path)

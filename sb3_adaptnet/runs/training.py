@@ -20,8 +20,8 @@ from sb3_adaptnet.runs.experiment import Experiment, experiment
 from sb3_adaptnet.runs.progress import RunProgress
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.saver import RunSaver
+from sb3_adaptnet.runs.worlds import make_worlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
-from sb3_adaptnet.zoo.vec_env import spec_of, training_ground
 
 
 @dataclass
@@ -29,19 +29,16 @@ class Learner:
     """A model with its worlds and the entry's callbacks.
 
     Attributes:
+        vec_env: the worlds.
         model: PPO with a policy of this package.
         discriminators: the callback that makes it multi-objective.
         others: further callbacks of the entry.
     """
 
+    vec_env: AdaptVecEnv
     model: PPO
     discriminators: DiscriminatorRewardCallback
     others: list[BaseCallback]
-
-    @property
-    def worlds(self) -> AdaptVecEnv:
-        """The vector environment."""
-        return self.model.env  # type: ignore[return-value]
 
 
 def build_learner(
@@ -67,17 +64,7 @@ def build_learner(
     callbacks = entry.make_callbacks()
     discriminators = next((c for c in callbacks if isinstance(c, DiscriminatorRewardCallback)), None)
     others = [c for c in callbacks if c is not discriminators]
-    return Learner(model, discriminators or DiscriminatorRewardCallback(), others)
-
-
-def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv:
-    """Make the run's vector environment."""
-    kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs, "stagger": True}
-    kwargs.update(training_ground(spec_of(settings.env_id), settings.seed))
-    kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
-    if settings.motion is not None:
-        kwargs["motion"] = settings.motion
-    return AdaptVecEnv(**{**kwargs, **overrides})
+    return Learner(env, model, discriminators or DiscriminatorRewardCallback(), others)
 
 
 def start(
@@ -134,7 +121,7 @@ def learn(
     with stopping(saver):
         model.learn(max(folder.settings.samples - done, 0), callback=callbacks, reset_num_timesteps=False)
     saver.save()
-    learner.worlds.close()
+    learner.vec_env.close()
     return folder
 
 

@@ -12,8 +12,10 @@ from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_path
 from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights, write_weights
 
-BASE = "base"  # kind of a file that holds a whole policy network
-ADAPTATION = "adaptation"  # kind of a file that holds only what was added to a base
+BASE = "base"
+"""Kind of a file that holds a whole policy network."""
+ADAPTATION = "adaptation"
+"""Kind of a file that holds only what was added to a base."""
 
 
 class Base(NamedTuple):

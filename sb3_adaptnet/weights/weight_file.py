@@ -2,8 +2,6 @@
 
 import hashlib
 import json
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,8 +10,12 @@ import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 
-FORMAT = 1  # version of the card's layout
-_METADATA_KEY = "adaptnet"  # entry of the safetensors metadata that holds the card
+from sb3_adaptnet.weights.atomic_file import write_atomically
+
+FORMAT = 1
+"""Version of the card's layout."""
+_METADATA_KEY = "adaptnet"
+"""Entry of the safetensors metadata that holds the card."""
 
 
 class CheckpointError(ValueError):
@@ -38,8 +40,10 @@ def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping
     full = {"format": FORMAT, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
     plain = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in tensors.items()}
     file.parent.mkdir(parents=True, exist_ok=True)
-    _replace(file, save(plain, metadata={_METADATA_KEY: json.dumps(full, sort_keys=True)}))
-    _replace(file.with_suffix(".json"), (json.dumps(full, indent=2, sort_keys=True) + "\n").encode())
+    content = save(plain, metadata={_METADATA_KEY: json.dumps(full, sort_keys=True)})
+    for_people = (json.dumps(full, indent=2, sort_keys=True) + "\n").encode()
+    write_atomically(file, lambda stream: stream.write(content))
+    write_atomically(file.with_suffix(".json"), lambda stream: stream.write(for_people))
 
 
 def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
@@ -76,17 +80,3 @@ def _read_card(file: Path, metadata: Mapping[str, str]) -> dict[str, Any]:
         found = card.get("format") if isinstance(card, dict) else None
         raise CheckpointError(f"the card of {str(file)!r} has format {found!r}, but this version reads {FORMAT}")
     return card
-
-
-def _replace(file: Path, content: bytes) -> None:
-    """Write a file so that at any moment either the old or the new content is there."""
-    with tempfile.NamedTemporaryFile(dir=file.parent, prefix=f".{file.name}.", delete=False) as temporary:
-        try:
-            temporary.write(content)
-            temporary.flush()
-            os.fsync(temporary.fileno())
-        except BaseException:
-            os.unlink(temporary.name)
-            raise
-    os.chmod(temporary.name, 0o644)
-    os.replace(temporary.name, file)

@@ -1,7 +1,7 @@
-"""Running experiments: rl_zoo3's glue and the command line.
+"""What rl_zoo3 needs, no more: the native vector environment, under the constructor that it calls.
 
-`python -m rl_zoo3.train ... --gym-packages sb3_adaptnet.zoo` imports this package; it registers the environments
-and makes rl_zoo3 use the native vector environment.
+`python -m rl_zoo3.train ... --gym-packages sb3_adaptnet.zoo` imports this folder; that registers the environments and
+makes rl_zoo3 use the native vector environment.
 """
 
 import sys

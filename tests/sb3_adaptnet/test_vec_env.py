@@ -10,10 +10,7 @@ from toy_env import ToyVectorEnv
 from sb3_adaptnet import AdaptVecEnv
 from sb3_adaptnet.objectives.attribute_ramp import set_in_worlds
 from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
-from sb3_adaptnet.runs.experiment import experiment
-from sb3_adaptnet.runs.run_folder import RunSettings
-from sb3_adaptnet.runs.training import make_worlds
-from sb3_adaptnet.zoo.vec_env import ZooVecEnv, training_ground
+from sb3_adaptnet.zoo import ZooVecEnv
 
 WALK, PUSHES = "AdaptNet/Humanoid-Walk-v0", "AdaptNet/Humanoid-PushWalk-v0"
 
@@ -122,26 +119,6 @@ def test_from_an_id_a_spec_and_zoos_functions():
     for env in envs:
         assert env.num_envs == 3 and env.reset().shape == (3, 784)
         assert env.action_space.default_base == "walk" and len(env.action_space.joint_names) == 28
-        env.close()
-
-
-def test_trainings_draw_a_terrain_of_their_own():
-    hills = gym.spec("AdaptNet/Humanoid-TerrainHills-v0")
-    assert training_ground(hills, 0) == {"terrain_seed": 1} != training_ground(hills, 1)
-    chosen = gym.make("AdaptNet/Humanoid-TerrainHills-v0", terrain_seed=7).spec
-    assert training_ground(chosen, 0) == {} == training_ground(gym.spec("CartPole-v1"), 0)
-
-    def seed_of(env):
-        return env.vector_env.unwrapped.worlds.spec.terrain_seed
-
-    settings = RunSettings(hills.id, samples=1, seed=3, n_envs=2, threads=1)
-    trained = [
-        make_worlds(settings, experiment(hills.id)),
-        ZooVecEnv([lambda: gym.make(hills.id, terrain_seed=7)] * 2, num_threads=1),
-        ZooVecEnv([lambda: gym.make(hills.id)], num_threads=1),  # a single world is zoo's evaluation
-    ]
-    assert [seed_of(env) for env in trained] == [4, 7, 0]
-    for env in trained:
         env.close()
 
 

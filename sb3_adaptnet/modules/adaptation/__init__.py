@@ -1,1 +1,19 @@
 """Actors made from a frozen or copied base: AdaptNet and the paper's alternatives."""
+
+from sb3_adaptnet.modules.adaptation.adapted import Adaptation, AdaptedActor, Penalties
+from sb3_adaptnet.modules.adaptation.adaptors import FullAdaptor
+from sb3_adaptnet.modules.adaptation.anchored import AnchoredActor
+from sb3_adaptnet.modules.adaptation.injector import Injector
+from sb3_adaptnet.modules.adaptation.lora import LowRankAdaptor
+from sb3_adaptnet.modules.adaptation.progressive import ProgressiveActor
+
+__all__ = [
+    "Adaptation",
+    "AdaptedActor",
+    "AnchoredActor",
+    "FullAdaptor",
+    "Injector",
+    "LowRankAdaptor",
+    "Penalties",
+    "ProgressiveActor",
+]

@@ -12,7 +12,8 @@ from sb3_adaptnet.modules.heightmap import CODE_SIZE, HeightmapEncoder, require_
 from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 
-PRIOR_SAMPLES = 1e6  # most frames that the base's statistics count for, so that new data can move them
+PRIOR_SAMPLES = 1e6
+"""Most frames that the base's statistics count for, so that new data can move them."""
 
 
 class Injector(nn.Module):

@@ -123,7 +123,7 @@ class _LastState(torch.autograd.Function):
 
     @staticmethod
     @once_differentiable
-    def backward(ctx: Any, grad: torch.Tensor) -> tuple[torch.Tensor | None, ...]:  # type: ignore[override]
+    def backward(ctx: Any, grad: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
         tape = _Tape(*ctx.saved_tensors)
         steps, batch, width = tape.inputs.shape
         size = tape.states.shape[2]

@@ -5,8 +5,10 @@ from typing import NamedTuple
 import torch
 from torch import nn
 
-CLAMP = 5.0  # normalised values beyond this many standard deviations are clipped (design: "clamped to +-5")
-EPSILON = 1e-5  # added to variances, so that a constant component does not divide by zero
+CLAMP = 5.0
+"""Normalised values are clipped to this many standard deviations."""
+EPSILON = 1e-5
+"""Added to variances, so that a constant component does not divide by zero."""
 
 
 class Moments(NamedTuple):
@@ -40,9 +42,9 @@ def moments_of(frames: torch.Tensor) -> Moments:
 class RunningNormalizer(nn.Module):
     """Maps x to clamp((x - mean) / std, -5, 5), with statistics collected in two stages.
 
-    `observe` adds samples to the collected statistics; `apply` makes them the ones that `forward` uses. Between two
-    `apply` calls the map is fixed, so that a rollout's log-probabilities and its policy update see the same inputs.
-    The very first batch is applied at once.
+    `observe` adds samples to the collected statistics; `apply_statistics` makes them the ones that `forward` uses.
+    Between two such calls the map is fixed, so that a rollout's log-probabilities and its policy update see the same
+    inputs. The very first batch is applied at once.
 
     Attributes:
         mean: (size,) applied mean, in the input's units.

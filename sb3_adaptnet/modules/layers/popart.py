@@ -3,8 +3,10 @@
 import torch
 from torch import nn
 
-HORIZON = 20  # updates over which the statistics average: returns drift while the policy learns
-SMALLEST_STD = 1e-2  # in units of the return; a constant return would otherwise blow its noise up
+HORIZON = 20
+"""Updates over which the statistics average: returns drift while the policy learns."""
+SMALLEST_STD = 1e-2
+"""Smallest standard deviation, in units of the return; without it a constant return would blow up its noise."""
 
 
 class PopArtHead(nn.Module):

@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager, nullcontext
 import torch
 
 PRECISIONS = ("fp32", "medium", "bf16")
+"""Names of the precisions, most exact first; what each does stands at `use_precision`."""
 
 
 def has_bf16(device: torch.device | str = "cpu") -> bool:

@@ -20,7 +20,7 @@ class _AddGradient(torch.autograd.Function):
 
     @staticmethod
     @once_differentiable
-    def backward(ctx: Any, grad: torch.Tensor) -> tuple[torch.Tensor, None]:  # type: ignore[override]
+    def backward(ctx: Any, grad: torch.Tensor) -> tuple[torch.Tensor, None]:
         x, scale = ctx.saved_tensors
         return torch.addcmul(grad, x, scale.expand_as(x)), None
 

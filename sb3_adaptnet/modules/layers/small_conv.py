@@ -12,7 +12,7 @@ from torch import nn
 from torch.autograd.function import once_differentiable
 
 CEILING = 6.0
-"""Of ReLU6."""
+"""Largest output of ReLU6."""
 
 
 def patches_of(grid: torch.Tensor, kernel: int, stride: int) -> torch.Tensor:

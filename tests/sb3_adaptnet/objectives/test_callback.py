@@ -3,60 +3,17 @@
 import numpy as np
 import pytest
 import torch
+from objective_cases import DISCRIMINATOR, SMALL, Check, make_callback, make_model
 from stable_baselines3 import PPO
-from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor, VecNormalize
 from toy_env import ToyEnv, ToyVectorEnv
 
 from sb3_adaptnet import (
-    AdaptNetPolicy,
     AdaptVecEnv,
     DiscriminatorRewardCallback,
-    FinetunePolicy,
     PretrainPolicy,
-    ProgressivePolicy,
-    save_base,
 )
-from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
-
-SMALL = {"gru_size": 8, "hidden_sizes": (16, 8)}
-DISCRIMINATOR = {"batch_size": 64, "network": {"gru": 8, "hidden": [8], "heads": 4}}
-WEIGHTS = {
-    1: {"imitation": 1.0},
-    2: {"imitation": 0.35, "goal": 0.65},
-    3: {"imitation": 0.3, "goal": 0.5, "effort": 0.2},
-}
-
-
-def effort(step):
-    return -np.square(step["actions"]).mean(axis=1)
-
-
-def make_model(env=None, seed=0, **kwargs):
-    env = AdaptVecEnv(ToyVectorEnv(16, drift=0.03)) if env is None else env
-    settings = {"n_steps": 16, "batch_size": 64, "n_epochs": 2, "gamma": 0.9, "gae_lambda": 0.8, **kwargs}
-    return PPO(PretrainPolicy, env, policy_kwargs=dict(SMALL), seed=seed, **settings)
-
-
-def make_callback(k=2, **kwargs):
-    return DiscriminatorRewardCallback(
-        WEIGHTS[k], discriminator=DISCRIMINATOR, reward_terms={"effort": effort}, **kwargs
-    )
-
-
-class Check(BaseCallback):
-    """Runs a function at every rollout's end, after the discriminators' callback."""
-
-    def __init__(self, function):
-        super().__init__()
-        self.function, self.calls = function, 0
-
-    def _on_step(self):
-        return True
-
-    def _on_rollout_end(self):
-        self.calls += 1
-        self.function(self.model)
+from sb3_adaptnet.policies.optimizer_groups import step_size
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])
@@ -103,19 +60,6 @@ def test_goal_reward_is_the_environments_own():
     check = Check(lambda model: np.testing.assert_array_less(callback.rollout.rewards["goal"], 1.0 + 1e-6))
     make_model().learn(16 * 16 * 5, callback=[callback, check])
     assert check.calls == 5
-
-
-def test_an_objective_that_the_environment_rewards_itself():
-    env = AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", 4, num_threads=1)
-    callback = DiscriminatorRewardCallback({"goal": 0.6, "footing": 0.4})
-    seen = []
-    check = Check(lambda model: seen.append((callback.rollout.rewards["footing"][-1].copy(), env.vector_env.footing)))
-    make_model(env).learn(16 * 4 * 2, callback=[callback, check])
-    assert len(seen) == 2
-    for kept, latest in seen:
-        assert np.allclose(kept, latest) and (kept > 0).all()
-    with pytest.raises(ValueError, match="'footing' needs environments"):
-        make_model().learn(16, callback=DiscriminatorRewardCallback({"footing": 1.0}))
 
 
 def test_advantages_are_standardised_and_weighted():
@@ -169,9 +113,8 @@ def test_same_seed_same_weights_after_ten_updates():
 def test_actor_step_size_follows_the_kl():
     model, callback = make_model(learning_rate=1e-4), make_callback(kl_range=(0.5, 0.9), actor_lr_range=(1e-6, 2e-4))
     model.learn(16 * 16 * 4, callback=callback)  # a KL far below the range: the step size grows to its bound
-    group = model.policy.optimizer.group("actor")
-    assert group["lr"] * group["lr_scale"] == pytest.approx(2e-4)
-    assert model.policy.optimizer.group("critic")["lr_scale"] == 1.0
+    assert step_size(model.policy.optimizer, "actor") == pytest.approx(2e-4)
+    assert step_size(model.policy.optimizer, "critic") == 1e-4
 
 
 def test_weights_change_with_the_samples():
@@ -231,52 +174,6 @@ class _WithoutWindows(ToyEnv):
         if name == "sample_reference_windows":
             raise AttributeError(name)
         return super().__getattribute__(name)
-
-
-@pytest.fixture(scope="module")
-def base_file(tmp_path_factory):
-    model = make_model()
-    model.learn(16 * 16, callback=make_callback())
-    return save_base(model, tmp_path_factory.mktemp("base") / "tiny")
-
-
-@pytest.mark.parametrize("policy", [AdaptNetPolicy, FinetunePolicy, ProgressivePolicy], ids=lambda p: p.__name__)
-def test_adapting_a_base_with_the_callback(policy, base_file, tmp_path):
-    """Frozen weights stay to the bit, the others move; a saved zip opens without the base and learns on."""
-    file = tmp_path / "base.safetensors"
-    file.write_bytes(base_file.read_bytes())
-    env = AdaptVecEnv(ToyVectorEnv(16, drift=0.03))
-    model = PPO(policy, env, n_steps=16, batch_size=64, n_epochs=2, policy_kwargs={"base": str(file)}, seed=0)
-    callback = make_callback()
-    callback.init_callback(model)  # K outputs before the snapshot
-    before = {name: p.detach().clone() for name, p in model.policy.named_parameters()}
-    model.learn(16 * 16 * 2, callback=callback)
-    for name, parameter in model.policy.named_parameters():
-        assert torch.equal(parameter, before[name]) != parameter.requires_grad, name
-    model.save(tmp_path / "model")
-    file.unlink()
-    with pytest.warns(UserWarning, match="base.safetensors"):
-        again = PPO.load(tmp_path / "model", env=env)
-    observations = env.reset()
-    assert np.array_equal(*(m.predict(observations, deterministic=True)[0] for m in (model, again)))
-    with pytest.raises(RuntimeError, match="learned with 2 objectives: pass DiscriminatorRewardCallback"):
-        again.learn(16 * 16, reset_num_timesteps=False)
-    again.learn(16 * 16, callback=make_callback(), reset_num_timesteps=False)
-
-
-def test_a_ramp_moves_an_attribute_with_the_samples():
-    env, seen = AdaptVecEnv(ToyVectorEnv(4)), []
-    ramp = AttributeRamp("drift", 0.2, 0.1, samples=128)
-    model = make_model(env)
-    model.learn(64 * 4, callback=[ramp, Check(lambda _: seen.append(env.vector_env.drift))])
-    assert seen == pytest.approx([0.2, 0.15, 0.1, 0.1])
-    with pytest.raises(ValueError, match="positive.*0"):
-        AttributeRamp("drift", 0.0, 1.0, samples=0)
-
-
-def test_a_ramp_needs_something_to_move():
-    with pytest.raises(ValueError, match="no attribute 'drifft'"):
-        make_model(AdaptVecEnv(ToyVectorEnv(4))).learn(64, callback=AttributeRamp("drifft", 0.2, 0.1, samples=128))
 
 
 def test_vec_normalize_is_refused():

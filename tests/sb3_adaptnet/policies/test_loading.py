@@ -8,6 +8,7 @@ from stable_baselines3 import PPO
 from toy_env import ToyEnv
 
 from sb3_adaptnet import AdaptNetPolicy, PretrainPolicy
+from sb3_adaptnet.policies.optimizer_groups import group_named
 
 
 def assert_same(first, second, heightmap=False):
@@ -41,7 +42,7 @@ def test_saved_model_restores_objectives_alpha_blend_and_optimiser(weights, two_
     model = adapt(AdaptNetPolicy, ToyEnv(), tiny_base)
     model.policy.set_objectives(weights)
     model.policy.value_norm.update(torch.randn(20, len(weights)))
-    model.policy.optimizer.group("actor")["lr_scale"] = 0.125
+    group_named(model.policy.optimizer, "actor")["lr_scale"] = 0.125
     model.policy.add_adaptation(two_styles[1], weight=0.3)
     model.policy.alpha = 0.6
     model.save(tmp_path / "model")
@@ -50,7 +51,7 @@ def test_saved_model_restores_objectives_alpha_blend_and_optimiser(weights, two_
     assert loaded.policy.objective_weights == weights
     assert loaded.policy.alpha == 0.6
     assert loaded.policy.weights == {"main": 1.0, "limp": 0.3}
-    assert loaded.policy.optimizer.group("actor")["lr_scale"] == 0.125
+    assert group_named(loaded.policy.optimizer, "actor")["lr_scale"] == 0.125
     trained = {id(p) for group in loaded.policy.optimizer.param_groups for p in group["params"]}
     assert trained == {id(p) for p in loaded.policy.parameters() if p.requires_grad}
 

@@ -4,7 +4,7 @@ import pytest
 import torch
 from stable_baselines3.common.utils import update_learning_rate
 
-from sb3_adaptnet.objectives.kl_step_size import next_step_size
+from sb3_adaptnet.policies.optimizer_groups import group_named
 from sb3_adaptnet.policies.scaled_adam import ScaledAdam
 
 
@@ -37,24 +37,8 @@ def test_equals_adam_with_two_learning_rates(fused):
 
 def test_scale_is_saved_and_restored():
     first = ScaledAdam([{"params": parameters(), "name": "actor", "lr_scale": 0.5}], lr=1e-3)
-    first.group("actor")["lr_scale"] = 0.125
+    group_named(first, "actor")["lr_scale"] = 0.125
     second = ScaledAdam([{"params": parameters(), "name": "actor"}], lr=1e-3)
-    assert second.group("actor")["lr_scale"] == 1.0
+    assert group_named(second, "actor")["lr_scale"] == 1.0
     second.load_state_dict(first.state_dict())
-    assert second.group("actor")["lr_scale"] == 0.125
-
-
-def test_unknown_group_lists_the_known_ones():
-    optimizer = ScaledAdam([{"params": parameters(), "name": "critic"}])
-    with pytest.raises(KeyError, match="actor.*critic"):
-        optimizer.group("actor")
-
-
-def test_the_step_size_follows_the_kl():
-    bounds, kl_range = (1e-5, 1e-3), (0.012, 0.03)
-    assert next_step_size(1e-4, 0.02, kl_range, bounds) == 1e-4
-    assert next_step_size(1e-4, 0.04, kl_range, bounds) == pytest.approx(1e-4 / 1.5)
-    assert next_step_size(1e-4, 0.01, kl_range, bounds) == pytest.approx(1.5e-4)
-    assert next_step_size(1e-4, float("nan"), kl_range, bounds) == pytest.approx(1e-4 / 1.5)
-    assert next_step_size(1e-3, 0.0, kl_range, bounds) == 1e-3
-    assert next_step_size(1e-5, 9.0, kl_range, bounds) == 1e-5
+    assert group_named(second, "actor")["lr_scale"] == 0.125

@@ -1,22 +1,16 @@
-"""Experiments of the zoo: YAML entries, commands, rl_zoo3."""
+"""Entries of the zoo's YAML files: what they hold, what they refuse."""
 
-import json
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
 import yaml
-from toy_zoo import TOY, conf, run_command
+from toy_zoo import TOY, conf
 
 from adapt_envs import SUITE, env_id
 from sb3_adaptnet import FinetunePolicy, PretrainPolicy, callbacks, hyperparameters
-from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.objectives.schedule import value_at
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.weights.shipped import zoo_config_path
-
-# ---- YAML -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("file", ["ppo", "paper"])
@@ -51,10 +45,10 @@ def test_finetuning_differs_from_adapting_by_its_policy_alone():
 
 @pytest.mark.parametrize("name", ["Walk", "Run"])
 def test_bases_can_be_continued_by_the_recipe_they_were_made_by(name):
-    on, anew = (experiment(env_id(name), conf_file=file) for file in ("continue", "ppo"))
+    on, again = (experiment(env_id(name), conf_file=file) for file in ("continue", "ppo"))
     assert on.policy is FinetunePolicy and "base" not in on.ppo["policy_kwargs"]  # the environment's default
-    assert on.n_envs == anew.n_envs
-    assert {**on.ppo, "policy_kwargs": None} == {**anew.ppo, "policy_kwargs": None}
+    assert on.n_envs == again.n_envs
+    assert {**on.ppo, "policy_kwargs": None} == {**again.ppo, "policy_kwargs": None}
 
 
 def test_entries_for_ids_are_explicit_in_ppo_yml():
@@ -103,71 +97,17 @@ def test_bad_files_are_refused(tmp_path):
         experiment(TOY, conf_file="nosuch")
 
 
-def test_callbacks_are_made_anew_each_time():
+def test_callbacks_are_fresh_each_time():
     first, again = callbacks(env_id("PushWalk")), callbacks(env_id("PushWalk"))
     assert [type(callback).__name__ for callback in first] == ["DiscriminatorRewardCallback", "AttributeRamp"]
     assert all(a is not b for a, b in zip(first, again, strict=True))
     assert first[0].weights == {"imitation": 0.25, "goal": 0.75}
 
 
-@pytest.mark.parametrize("words, message", [
-    (["train"], "name an environment"),
-    (["train", "AdaptNet/Humanoid-Stop-v0"], "Did you mean: `Humanoid-Stoop`"),
-    (["train", "CartPole-v1"], "CartPole-v1"),
-    (["train", "nosuch_module:Toy-v0"], "No module named 'nosuch_module'"),
-    (["train", "AdaptNet/Humanoid-Walk-v0", "--conf-file", "no/such.yml"], "no/such.yml"),
-    (["train", "--resume", "no_such_run"], "no_such_run"),
-    (["export", "no_such_run", "-o", "x"], "no_such_run"),
-    (["export", "no_such_run", "-o", "no/such/folder/x"], "folder"),
-])  # fmt: skip
-def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(words) == 2
-    said = capsys.readouterr().err
-    assert message in said and said.count("\n") == 1 and "Traceback" not in said
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_reader_that_has_seen_enough_is_no_error():
-    command = [sys.executable, "-m", "sb3_adaptnet.commands.main", "envs", "list"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    process.stdout.close()
-    assert process.stderr.read() == "" and process.wait(timeout=60) == 141
-
-
-def test_bench_train_accounts_for_the_whole_iteration(tmp_path, capsys):
-    words = [
-        "bench",
-        "train",
-        "--id",
-        TOY,
-        "--worlds",
-        "8",
-        "--iterations",
-        "1",
-        "--conf-file",
-        conf(tmp_path),
-        "--json",
-    ]
-    assert main(words) == 0
-    figures = json.loads(capsys.readouterr().out)
-    assert figures["speedup_over_plain"] == pytest.approx(
-        figures["samples_per_second"] / figures["plain_samples_per_second"]
-    )
-    assert all(figures["seconds"][part] > 0 for part in ("act", "simulate", "discriminators", "update", "other"))
-    assert sum(figures["seconds"].values()) == pytest.approx(64 / figures["samples_per_second"])
-
-
-# ---- rl_zoo3 --------------------------------------------------------------------------------------------------------
-
-
-def test_rl_zoo3_trains_natively_and_enjoys(tmp_path):
-    common = ["--algo", "ppo", "--env", "Toy-v0", "--gym-packages", "toy_env", "sb3_adaptnet.zoo", "-f", str(tmp_path)]
-    train = run_command(["rl_zoo3.train", *common, "--conf-file", conf(tmp_path), "--eval-freq", "-1", "--seed", "0"])
-    said = train.communicate(timeout=300)[0]
-    assert train.returncode == 0, said
-    assert "imitation_reward" in said and "Using 8 environments" in said
-    assert (tmp_path / "ppo" / "Toy-v0_1" / "Toy-v0.zip").is_file()
-    enjoy = run_command(["rl_zoo3.enjoy", *common, "--no-render", "-n", "50", "--num-threads", "1"])
-    said = enjoy.communicate(timeout=300)[0]
-    assert enjoy.returncode == 0 and "Episode Reward" in said, said
+def test_a_class_that_moved_is_named_where_it_is(tmp_path):
+    """Run folders of version 0.1 name classes by the modules that they were in."""
+    old = "sb3_adaptnet.callback.DiscriminatorRewardCallback"
+    with pytest.raises(ValueError, match=f"no class '{old}'; write sb3_adaptnet.DiscriminatorRewardCallback$"):
+        experiment(TOY, conf_file=conf(tmp_path, callback=old))
+    with pytest.raises(ValueError, match="no class 'sb3_adaptnet.NoSuchPolicy' "):
+        experiment(TOY, conf_file=conf(tmp_path, policy="sb3_adaptnet.NoSuchPolicy"))

@@ -152,7 +152,7 @@ def test_goes_on_after_kill_9_and_saves_at_ctrl_c(tmp_path):
     said = process.communicate(timeout=60)[0]
     assert process.returncode == 130 and "--resume" in said
     assert folder.load()["samples"] > saved
-    assert not list(folder.path.glob("*.tmp"))
+    assert len(list(folder.path.glob(".*.part"))) <= 1  # the kill may have come while a checkpoint was written
 
 
 def csv_samples(folder):

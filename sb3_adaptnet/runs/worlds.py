@@ -1,0 +1,50 @@
+"""The worlds that a run trains in."""
+
+from importlib import import_module
+from typing import Any
+
+import gymnasium as gym
+from gymnasium.envs.registration import EnvSpec
+
+from sb3_adaptnet.runs.experiment import Experiment
+from sb3_adaptnet.runs.run_folder import RunSettings
+from sb3_adaptnet.vec_env import AdaptVecEnv
+
+
+def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv:
+    """Make the run's vector environment."""
+    kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs, "stagger": True}
+    kwargs.update(training_ground(spec_of(settings.env_id), settings.seed))
+    kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
+    if settings.motion is not None:
+        kwargs["motion"] = settings.motion
+    return AdaptVecEnv(**{**kwargs, **overrides})
+
+
+def spec_of(env_id: str) -> EnvSpec:
+    """Spec of an id; the module that it may name ("module:id") is imported first, as `gym.make` does.
+
+    Raises:
+        ValueError: if there is no such module.
+        gymnasium.error.Error: if no such id is registered.
+    """
+    module, _, name = env_id.rpartition(":")
+    if module:
+        try:
+            import_module(module)
+        except ModuleNotFoundError as error:
+            raise ValueError(f"{env_id}: {error}; is its folder on PYTHONPATH?") from error
+    return gym.spec(name)
+
+
+def training_ground(spec: EnvSpec, seed: int) -> dict[str, int]:
+    """Environment arguments that give each training another terrain and other obstacles; evaluation's come from seed 0.
+
+    Args:
+        spec: the environment's; a terrain seed among its arguments stays.
+        seed: the training's, from 0.
+
+    Returns:
+        `terrain_seed`, or nothing if it is set already or the environment is not of this suite.
+    """
+    return {"terrain_seed": seed + 1} if "task" in spec.kwargs and "terrain_seed" not in spec.kwargs else {}

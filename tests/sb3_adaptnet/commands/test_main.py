@@ -1,0 +1,33 @@
+"""The command line: errors are one sentence, a closed pipe is none."""
+
+import subprocess
+import sys
+
+import pytest
+
+from sb3_adaptnet.commands.main import main
+
+
+@pytest.mark.parametrize("words, message", [
+    (["train"], "name an environment"),
+    (["train", "AdaptNet/Humanoid-Stop-v0"], "Did you mean: `Humanoid-Stoop`"),
+    (["train", "CartPole-v1"], "CartPole-v1"),
+    (["train", "nosuch_module:Toy-v0"], "No module named 'nosuch_module'"),
+    (["train", "AdaptNet/Humanoid-Walk-v0", "--conf-file", "no/such.yml"], "no/such.yml"),
+    (["train", "--resume", "no_such_run"], "no_such_run"),
+    (["export", "no_such_run", "-o", "x"], "no_such_run"),
+    (["export", "no_such_run", "-o", "no/such/folder/x"], "folder"),
+])  # fmt: skip
+def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert message in said and said.count("\n") == 1 and "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    command = [sys.executable, "-m", "sb3_adaptnet.commands.main", "envs", "list"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    assert process.stderr.read() == "" and process.wait(timeout=60) == 141
