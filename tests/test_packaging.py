@@ -1,9 +1,13 @@
 """What users install: the wheel finds its data without the checkout."""
 
+import ast
+import importlib.metadata
 import json
+import re
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -20,6 +24,44 @@ observation, _ = env.reset(seed=0)
 print(json.dumps({"where": [adapt_envs.__file__, sb3_adaptnet.__file__], "shape": observation.shape,
                   "batch_size": hyperparameters("AdaptNet/Humanoid-Walk-v0")["batch_size"]}))
 """
+
+
+def canonical(name):
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def dependencies(*extras):
+    """Declared distributions -> the comment that stands beside each."""
+    text = (ROOT / "pyproject.toml").read_text()
+    project = tomllib.loads(text)["project"]
+    declared = [*project["dependencies"], *(one for extra in extras for one in project["optional-dependencies"][extra])]
+    lines = {one: next(line for line in text.splitlines() if f'"{one}"' in line) for one in declared}
+    return {canonical(re.match(r"[\w.-]+", one)[0]): lines[one].partition("#")[2].strip() for one in declared}
+
+
+def imported():
+    """Distributions that the two packages import, other than Python's own and each other."""
+    trees = [
+        ast.parse(file.read_text()) for name in ("adapt_envs", "sb3_adaptnet") for file in ROOT.glob(f"{name}/**/*.py")
+    ]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    modules = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    modules |= {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
+    tops = {module.split(".")[0] for module in modules} - sys.stdlib_module_names - {"adapt_envs", "sb3_adaptnet"}
+    homes = importlib.metadata.packages_distributions()
+    return {top: {canonical(home) for home in homes[top]} for top in tops}
+
+
+def test_every_dependency_is_imported_or_says_why_not():
+    used = set().union(*imported().values())
+    for name, comment in dependencies().items():
+        assert (name in used) != comment.startswith("not imported: "), f"{name}: {comment!r}"
+
+
+def test_every_import_is_declared():
+    """OpenCV may be there under any of its names; the one without a display is the one that is asked for."""
+    declared = set(dependencies("play"))
+    assert not {top: homes for top, homes in imported().items() if not homes & declared}
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from PIL import Image as PilImage
-from PIL import ImageDraw, ImageFont
 
-from adapt_envs.drawing.scene import Camera, Image
+from adapt_envs.drawing.picture import Image, text_band, tiled, write_png
+from adapt_envs.drawing.scene import Camera
 from adapt_envs.drawing.world_view import HIGH, SceneRenderer
 from adapt_envs.registration import env_id
 from adapt_envs.simulation.worlds import Worlds
@@ -17,12 +16,12 @@ from adapt_envs.suite import find
 COLUMNS = 6
 """Pictures in a row."""
 _TILE = (300, 270)
-_CAPTION, _FONT = 28, 12
-_GAP = 4
+"""Width and height [pixels] of a picture."""
+_CAPTION, _FONT_SIZE, _GAP = 28, 12, 4
+"""Height of the line below a picture, size of its text, and space between pictures [pixels]."""
 _STEPS = 4
 """Steps from the start state to the picture: the character has come into motion."""
 _CAMERA = Camera(azimuth=125, elevation=-14, distance=5.2, fovy=28)
-_INK, _PAPER = (32, 38, 48), (250, 250, 248)
 
 
 def snapshot(name: str, size: tuple[int, int] = _TILE, seed: int = 2) -> Image:
@@ -56,22 +55,13 @@ def _advance(worlds: Worlds) -> None:
 def gallery(names: Sequence[str], pictures: Iterable[Image], columns: int = COLUMNS) -> Image:
     """Put pictures (height, width, 3) of one size into rows, each above its environment's id."""
     tiles = [_captioned(name, picture) for name, picture in zip(names, pictures, strict=True)]
-    height, width = tiles[0].shape[0] + _GAP, tiles[0].shape[1] + _GAP
-    sheet = np.full((-(-len(tiles) // columns) * height + _GAP, columns * width + _GAP, 3), _PAPER, np.uint8)
-    for i, tile in enumerate(tiles):
-        top, left = _GAP + i // columns * height, _GAP + i % columns * width
-        sheet[top : top + tile.shape[0], left : left + tile.shape[1]] = tile
-    return sheet
+    return tiled([tiles[first : first + columns] for first in range(0, len(tiles), columns)], columns, _GAP)
 
 
 def write_gallery(path: str | Path, names: Sequence[str], pictures: Iterable[Image]) -> None:
     """Write the contact sheet of the environments `names` as a PNG."""
-    PilImage.fromarray(gallery(names, pictures)).save(path, format="PNG", optimize=True)
+    write_png(gallery(names, pictures), path)
 
 
 def _captioned(name: str, picture: Image) -> Image:
-    canvas = PilImage.new("RGB", (picture.shape[1], _CAPTION), _PAPER)
-    draw, font = ImageDraw.Draw(canvas), ImageFont.load_default(_FONT)
-    text = env_id(name)
-    draw.text(((picture.shape[1] - draw.textlength(text, font=font)) / 2, 6), text, _INK, font=font)
-    return np.concatenate([picture, np.asarray(canvas)])
+    return np.concatenate([picture, text_band(env_id(name), picture.shape[1], _CAPTION, _FONT_SIZE)])

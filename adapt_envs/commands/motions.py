@@ -10,7 +10,8 @@ from typing import TypeVar
 from tqdm import tqdm
 
 from adapt_envs.commands.output import check_output
-from adapt_envs.drawing.motion_sheet import video_frames, write_sheet, write_video
+from adapt_envs.drawing.film import video_frames, write_video
+from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.motion.clip import FPS, MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
 from adapt_envs.motion.library import CLIPS, load_clip
@@ -93,7 +94,7 @@ def run_render(options: argparse.Namespace) -> int:
     if output.suffix.lower() == ".png":
         write_sheet(clip, output)
     else:
-        write_video(clip, output, _bar(video_frames(clip), "drawing"))
+        write_video(_bar(video_frames(clip), "drawing"), output)
     print(f"wrote {output}")
     return 0
 

@@ -1,6 +1,6 @@
 """How MuJoCo reaches OpenGL on a machine without a display.
 
-MuJoCo decides once, when it is imported. Where that happened before this module was, its choice is mended.
+MuJoCo chooses once, when it is imported. Where that was before this module's import, its choice is replaced.
 """
 
 import ctypes.util
@@ -36,7 +36,8 @@ def choose() -> None:
     os.environ[GL_VARIABLE] = chosen
     decided = sys.modules.get(_MUJOCO_DECIDES)
     if decided is not None:
-        decided.GLContext = importlib.import_module(f"mujoco.{chosen}").GLContext  # type: ignore[attr-defined]
+        context = importlib.import_module(f"mujoco.{chosen}").GLContext
+        decided.GLContext = context  # type: ignore[attr-defined]  # a module knows no such name before MuJoCo sets it
 
 
 choose()

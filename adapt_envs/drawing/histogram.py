@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from adapt_envs.drawing.palette import BLUE, css
 from adapt_envs.features import rotations
 from adapt_envs.motion.clip import FPS, MotionClip
 
 _STEP = 0.27
 """Width of the smoothing [s], about half a step: what is left is the course, not the sway."""
-_COLOUR = "#42709b"
 
 
 def course_rates(clip: MotionClip) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -32,9 +32,9 @@ def write_histogram(clip: MotionClip, path: str | Path) -> None:
     slow, sharp, both = figure.subplots(1, 3)
     speeds, turns = np.linspace(0, speed.max() + 0.1, 41), np.linspace(-1, 1, 61) * (np.abs(turning).max() + 5)
     share = np.full(len(speed), 100 / len(speed))
-    slow.hist(speed, bins=speeds, weights=share, color=_COLOUR)
+    slow.hist(speed, bins=speeds, weights=share, color=css(BLUE))
     slow.set(xlabel="speed [m/s]", ylabel="share of frames [%]", title=f"{clip.name}, {clip.seconds:.0f} s")
-    sharp.hist(turning, bins=turns, weights=share, color=_COLOUR, log=True)
+    sharp.hist(turning, bins=turns, weights=share, color=css(BLUE), log=True)
     sharp.set(xlabel="turning rate [degrees/s], left positive", ylabel="share of frames [%]")
     both.hist2d(turning, speed, bins=(turns, speeds), cmap="Blues", norm="log")
     both.set(xlabel="turning rate [degrees/s]", ylabel="speed [m/s]")

@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.drawing import headless
-
-Image = NDArray[np.uint8]
-"""A picture: (height, width, 3), red, green and blue."""
+from adapt_envs.drawing.picture import Image
 
 
 class RenderingError(OSError):
@@ -64,7 +62,7 @@ class Scene:
         limits.offwidth, limits.offheight = max(limits.offwidth, width), max(limits.offheight, height)
         try:
             self._renderer: mujoco.Renderer | None = mujoco.Renderer(model, height, width)
-        except Exception as error:  # each backend fails in a way of its own
+        except Exception as error:  # every backend raises another kind
             raise RenderingError(_no_opengl(error)) from None
         # Closed before OpenGL's own exit handler runs, or it complains on the way out.
         atexit.register(_close, weakref.ref(self))

@@ -10,7 +10,9 @@ import mujoco.viewer
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs.drawing.scene import Camera, Image, RenderingError, Scene
+from adapt_envs.drawing.palette import GOAL, PUSH
+from adapt_envs.drawing.picture import Image
+from adapt_envs.drawing.scene import Camera, RenderingError, Scene
 from adapt_envs.model.ground import Ground
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.simulation.worlds import Worlds
@@ -23,7 +25,6 @@ CAMERA = Camera(azimuth=120, elevation=-16, distance=6.5, fovy=30)
 HIGH = Camera(azimuth=120, elevation=-36, distance=7.0, fovy=34)
 """The same among obstacles: from above, over the blocks."""
 _LOOK_HEIGHT = 0.85
-_GOAL_COLOUR, _PUSH_COLOUR = (0.16, 0.62, 0.35, 0.9), (0.90, 0.12, 0.10, 1.0)
 _RING_SEGMENTS = 24
 _PUSH_LENGTH = 0.9
 """Length [m] of the arrow of a push of 1000 N."""
@@ -47,13 +48,13 @@ def draw_goal(scene: mujoco.MjvScene, ground: Ground, root_xy: Array, target: Ar
     angles = np.linspace(0, 2 * np.pi, _RING_SEGMENTS + 1)
     ring = _on(ground, target + GOAL_RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=-1), 0.02)
     for start, end in zip(ring[:-1], ring[1:], strict=True):
-        _connect(scene, mujoco.mjtGeom.mjGEOM_CAPSULE, 0.02, start, end, _GOAL_COLOUR)
+        _connect(scene, mujoco.mjtGeom.mjGEOM_CAPSULE, 0.02, start, end, GOAL)
     offset = target - root_xy
     distance = float(np.linalg.norm(offset))
     if distance > GOAL_RADIUS:
         along = offset / distance
         start, end = _on(ground, np.stack([root_xy + 0.45 * along, root_xy + (0.45 + speed / 2) * along]), 0.06)
-        _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, 0.035, start, end, _GOAL_COLOUR)
+        _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, 0.035, start, end, GOAL)
 
 
 def draw_push(scene: mujoco.MjvScene, torso: Array, force: Array) -> None:
@@ -68,7 +69,7 @@ def draw_push(scene: mujoco.MjvScene, torso: Array, force: Array) -> None:
         strength = np.linalg.norm(force)
         end = torso - 0.13 * force / strength
         start = end - _PUSH_LENGTH / 1000 * force
-        _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, 0.05, start, end, _PUSH_COLOUR)
+        _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, 0.05, start, end, PUSH)
 
 
 def _on(ground: Ground, xy: Array, above: float) -> Array:

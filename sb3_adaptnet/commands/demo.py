@@ -11,7 +11,8 @@ from typing import Any
 from stable_baselines3.common.callbacks import BaseCallback
 
 from adapt_envs import env_id
-from adapt_envs.drawing.motion_sheet import video_frames, write_sheet, write_video
+from adapt_envs.drawing.film import video_frames, write_video
+from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import STYLES, load_clip
 from sb3_adaptnet.commands.eval import seconds_of
@@ -19,7 +20,7 @@ from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
 from sb3_adaptnet.commands.train import INTERRUPTED, positive
 from sb3_adaptnet.evaluation.figures import Evaluation, evaluate
-from sb3_adaptnet.evaluation.pictures import side_by_side, write_frames
+from sb3_adaptnet.evaluation.pictures import side_by_side
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import listing, paragraph, picture, table, text_table, video, write_page
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
@@ -167,7 +168,7 @@ def film(found: Mapping[str, Evaluation], reference: MotionClip, output: Path, s
     if not clips:
         return None
     frames = side_by_side(clips)
-    write_frames(ProgressBar("filming")(frames), output / "side_by_side.mp4")
+    write_video(ProgressBar("filming")(frames), output / "side_by_side.mp4")
     return "side_by_side.mp4"
 
 
@@ -203,7 +204,7 @@ def show_motions(output: Path, style: str, seconds: float) -> Path:
         write_sheet(clip, output / file)
         blocks.append(picture(file, f"contact sheet of {name}"))
     clip = load_clip(style)
-    write_video(clip, output / "style.mp4", ProgressBar("filming")(video_frames(clip, min_seconds=seconds)))
+    write_video(ProgressBar("filming")(video_frames(clip, min_seconds=seconds)), output / "style.mp4")
     page = output / PAGE
     words = "No pretrained walk is there yet; these are the reference motions that policies learn from."
     write_page(page, f"The walk and {style}", [("", [paragraph(words), *blocks, video("style.mp4")])])

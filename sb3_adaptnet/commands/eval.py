@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from adapt_envs.commands.output import check_output
-from adapt_envs.drawing.motion_sheet import video_frames, write_sheet
+from adapt_envs.drawing.film import video_frames, write_video
+from adapt_envs.drawing.motion_sheet import write_sheet
 from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.before_after import write_before_after
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
-from sb3_adaptnet.evaluation.pictures import write_frames, write_strip
+from sb3_adaptnet.evaluation.pictures import write_strip
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
@@ -93,7 +94,7 @@ def draw(loaded: LoadedPolicy, found: Evaluation, sheet: Path | None, video: Pat
         write_sheet(typical_clip(found.straight, reference, name), sheet)
     if video is not None:
         clip = clip_of(found.free, longest(found.free, VIDEO_SECONDS), reference.joint_names, name)
-        write_frames(video_frames(clip), video)
+        write_video(video_frames(clip), video)
     return [path for path in (sheet, video) if path is not None]
 
 

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image as PilImage
 
 from adapt_envs import AdaptVectorEnv
-from adapt_envs.drawing.scene import Camera, Image
+from adapt_envs.drawing.picture import Image, tiled, write_png
+from adapt_envs.drawing.scene import Camera
 from adapt_envs.drawing.world_view import HIGH, SceneRenderer
 from adapt_envs.model.humanoid import CONTROL_DT
 from sb3_adaptnet.evaluation.pictures import captioned
@@ -17,7 +17,6 @@ from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 SECONDS, COLUMNS = 6.0, 7
 _TILE = (270, 300)
 _CAMERA = Camera(azimuth=120, elevation=-14, distance=5.6, fovy=28)
-_BLANK = 250
 
 
 class FirstEnds(NamedTuple):
@@ -76,12 +75,12 @@ def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> 
             rows.append(_row(policy, env, seed, caption, world, *end))
     finally:
         policy.alpha = kept
-    return np.concatenate(rows, axis=0)
+    return tiled(rows, COLUMNS)
 
 
 def write_before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, path: str | Path, seed: int = 0) -> None:
     """Write `before_after` as a PNG."""
-    PilImage.fromarray(before_after(policy, env, seed)).save(path, format="PNG", optimize=True)
+    write_png(before_after(policy, env, seed), path)
 
 
 def _typical(before: NDArray[np.int64], after: NDArray[np.int64]) -> int:
@@ -93,7 +92,7 @@ def _typical(before: NDArray[np.int64], after: NDArray[np.int64]) -> int:
 
 def _row(
     policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, world: int, end: int, reason: str
-) -> Image:
+) -> list[Image]:
     """Tiles of `world` at equal intervals until its episode ends after `end` steps, and of the moment before that."""
     steps = round(SECONDS / CONTROL_DT)
     moments = [round(i * steps / (COLUMNS - 1)) for i in range(COLUMNS)]
@@ -110,5 +109,4 @@ def _row(
             observations, *_ = env.step(actions)
     finally:
         renderer.close()
-    blank = np.full_like(tiles[0], _BLANK)
-    return np.concatenate([*tiles, *[blank] * (COLUMNS - len(tiles))][:COLUMNS], axis=1)
+    return tiles

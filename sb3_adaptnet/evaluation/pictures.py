@@ -1,16 +1,15 @@
-"""Pictures of several clips beside each other: videos, and strips of one pose from each."""
+"""Pictures of several clips beside each other: films, and strips of one pose from each."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-import imageio.v2 as imageio
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image as PilImage
-from PIL import ImageDraw, ImageFont
 
-from adapt_envs.drawing.motion_sheet import video_frames
-from adapt_envs.drawing.scene import FRONT, SIDE, Camera, Image, Scene
+from adapt_envs.drawing.clip_scene import LOOK_HEIGHT
+from adapt_envs.drawing.film import video_frames
+from adapt_envs.drawing.picture import Image, text_band, tiled, write_png
+from adapt_envs.drawing.scene import FRONT, SIDE, Camera, Scene
 from adapt_envs.features import rotations
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
@@ -20,19 +19,14 @@ from sb3_adaptnet.evaluation.imitation_error import local_positions
 
 _PANE = (432, 480)
 _TILE = (230, 320)
-_BAND = 32
-"""Height of a caption [pixels]; a pane with it is a multiple of 16 high, as video codecs like it."""
-_LOOK_HEIGHT = 0.90
-_INK, _PAPER = (32, 38, 48), (250, 250, 248)
+_BAND, _FONT_SIZE = 32, 17
+"""Height of a caption and size of its text [pixels]; with it a pane is a multiple of 16 high, as codecs like it."""
 _RIGHT_FOOT, _LEFT_FOOT = LINKS.index("right_foot"), LINKS.index("left_foot")
 
 
 def captioned(picture: Image, caption: str) -> Image:
     """The picture with a line of text above it."""
-    band = PilImage.new("RGB", (picture.shape[1], _BAND), _PAPER)
-    draw, font = ImageDraw.Draw(band), ImageFont.load_default(17)
-    draw.text(((band.width - draw.textlength(caption, font=font)) / 2, 6), caption, _INK, font=font)
-    return np.concatenate([np.asarray(band), picture], axis=0)
+    return np.concatenate([text_band(caption, picture.shape[1], _BAND, _FONT_SIZE), picture])
 
 
 def side_by_side(clips: Mapping[str, MotionClip], size: tuple[int, int] = _PANE) -> Iterator[Image]:
@@ -40,14 +34,7 @@ def side_by_side(clips: Mapping[str, MotionClip], size: tuple[int, int] = _PANE)
     panes = [video_frames(clip, size) for clip in clips.values()]
     for pictures in zip(*panes, strict=False):
         parts = [captioned(picture, caption) for caption, picture in zip(clips, pictures, strict=True)]
-        yield np.concatenate(parts, axis=1)
-
-
-def write_frames(frames: Iterable[Image], path: str | Path) -> None:
-    """Write pictures as a video (`.mp4` or `.gif`) at 30 frames per second."""
-    with imageio.get_writer(path, fps=FPS) as writer:
-        for picture in frames:
-            writer.append_data(picture)  # type: ignore[attr-defined]
+        yield tiled([parts], len(parts))
 
 
 def pose_strip(clips: Mapping[str, MotionClip]) -> Image:
@@ -66,13 +53,13 @@ def pose_strip(clips: Mapping[str, MotionClip]) -> Image:
         for caption, clip in clips.items():
             pose = facing_x(clip.qpos, longest_step(kinematics, clip))
             tiles = [_tile(scene, pose, camera) for camera in (SIDE, FRONT)]
-            columns.append(captioned(np.concatenate(tiles, axis=0), caption))
-    return np.concatenate(columns, axis=1)
+            columns.append(captioned(np.concatenate(tiles), caption))
+    return tiled([columns], len(columns))
 
 
 def write_strip(clips: Mapping[str, MotionClip], path: str | Path) -> None:
     """Write `pose_strip` as a PNG."""
-    PilImage.fromarray(pose_strip(clips)).save(path, format="PNG", optimize=True)
+    write_png(pose_strip(clips), path)
 
 
 def longest_step(kinematics: Kinematics, clip: MotionClip) -> int:
@@ -92,4 +79,4 @@ def facing_x(qpos: NDArray[np.float64], frame: int) -> NDArray[np.float64]:
 
 
 def _tile(scene: Scene, pose: NDArray[np.float64], camera: Camera) -> Image:
-    return scene.picture(pose, camera, np.array([pose[0], pose[1], _LOOK_HEIGHT]))
+    return scene.picture(pose, camera, np.array([pose[0], pose[1], LOOK_HEIGHT]))

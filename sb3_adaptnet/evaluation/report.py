@@ -4,6 +4,7 @@ import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from adapt_envs.drawing.palette import INK, PAPER, RULE, RULE_STRONG, SHADE, css
 from sb3_adaptnet.evaluation.figures import Figures
 
 ROWS = (
@@ -18,15 +19,15 @@ ROWS = (
     ("simulated seconds", "seconds", "{:.0f}"),
 )
 """Words, field and format of every figure in a table."""
-_STYLE = """
-body { font: 16px/1.55 system-ui, sans-serif; color: #20262f; background: #fafaf8; margin: 2.5rem auto;
-       max-width: 1180px; padding: 0 1.5rem; }
-h1 { font-size: 1.7rem; margin-bottom: .3rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
-img, video { max-width: 100%; border: 1px solid #dcdcd6; border-radius: 6px; display: block; margin: .6rem 0; }
-table { border-collapse: collapse; margin: 1rem 0; } th, td { padding: .35rem 1rem; text-align: right; }
-th:first-child, td:first-child { text-align: left; } tr { border-bottom: 1px solid #dcdcd6; }
-thead { border-bottom: 2px solid #8a93a0; }
-pre { background: #efefea; border-radius: 4px; padding: .8rem 1rem; overflow-x: auto; } p { max-width: 48rem; }
+_STYLE = f"""
+body {{ font: 16px/1.55 system-ui, sans-serif; color: {css(INK)}; background: {css(PAPER)}; margin: 2.5rem auto;
+       max-width: 1180px; padding: 0 1.5rem; }}
+h1 {{ font-size: 1.7rem; margin-bottom: .3rem; }} h2 {{ font-size: 1.2rem; margin-top: 2.2rem; }}
+img, video {{ max-width: 100%; border: 1px solid {css(RULE)}; border-radius: 6px; display: block; margin: .6rem 0; }}
+table {{ border-collapse: collapse; margin: 1rem 0; }} th, td {{ padding: .35rem 1rem; text-align: right; }}
+th:first-child, td:first-child {{ text-align: left; }} tr {{ border-bottom: 1px solid {css(RULE)}; }}
+thead {{ border-bottom: 2px solid {css(RULE_STRONG)}; }} p {{ max-width: 48rem; }}
+pre {{ background: {css(SHADE)}; border-radius: 4px; padding: .8rem 1rem; overflow-x: auto; }}
 """
 
 

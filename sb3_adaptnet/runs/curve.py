@@ -1,6 +1,7 @@
 """Learning curves as a picture."""
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from adapt_envs.drawing.palette import SERIES, css
 from sb3_adaptnet.runs.history import Row
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.weights.atomic_file import write_atomically
@@ -38,10 +40,10 @@ def draw_curves(histories: Mapping[str, Sequence[Row]], path: Path, title: str =
     FigureCanvasAgg(figure)
     grid = figure.subplots(-(-len(columns) // 2), 2, squeeze=False).flat
     for column, axes in zip(columns, grid, strict=False):  # in this order zip leaves `grid` at the next
-        for number, (name, rows) in enumerate(histories.items()):
+        for (name, rows), colour in zip(histories.items(), cycle(map(css, SERIES)), strict=False):
             points = np.array([(row["samples"] / 1e6, row[column]) for row in rows if column in row]).reshape(-1, 2)
-            axes.plot(*points.T, linewidth=0.6, alpha=0.35, color=f"C{number}")
-            axes.plot(points[:, 0], moving_mean(points[:, 1]), linewidth=1.4, color=f"C{number}", label=name)
+            axes.plot(*points.T, linewidth=0.6, alpha=0.35, color=colour)
+            axes.plot(points[:, 0], moving_mean(points[:, 1]), linewidth=1.4, color=colour, label=name)
         axes.set_xlabel("samples [million]")
         axes.set_ylabel(LABELS.get(column, column.replace("_", " ")))
         axes.grid(alpha=0.3)

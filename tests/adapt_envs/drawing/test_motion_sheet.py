@@ -1,14 +1,13 @@
 """Contact sheets: what is drawn, where, and what happens where nothing can be drawn."""
 
-import imageio.v3 as imageio
+import cv2
 import mujoco
 import numpy as np
 import pytest
-from PIL import Image as PilImage
 
 from adapt_envs.drawing import scene
 from adapt_envs.drawing.headless import backend
-from adapt_envs.drawing.motion_sheet import contact_sheet, typical_stretch, video_frames, write_sheet, write_video
+from adapt_envs.drawing.motion_sheet import contact_sheet, typical_stretch, write_sheet
 from adapt_envs.features import rotations
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import joint_names
@@ -89,16 +88,10 @@ def test_a_clip_of_another_character_is_refused():
         contact_sheet(MotionClip("x", clip.qpos[:, :-1], clip.joint_names[:-1]))
 
 
-def test_files_hold_what_was_drawn(drawn, tmp_path):
+def test_the_file_holds_what_was_drawn(drawn, tmp_path):
     write_sheet(walk(), tmp_path / "sheet.png")
-    np.testing.assert_array_equal(np.asarray(PilImage.open(tmp_path / "sheet.png")), drawn)
-    clip = walk(7)
-    frames = list(video_frames(clip, (160, 160), min_seconds=0.5))
-    assert len(frames) == 18  # three cycles of six frames
-    write_video(clip, tmp_path / "video.mp4", frames)
-    read = imageio.imread(tmp_path / "video.mp4", plugin="FFMPEG")
-    assert read.shape == (18, 160, 160, 3)
-    assert np.abs(read[9].astype(float) - frames[9]).mean() < 6
+    read = cv2.cvtColor(cv2.imread(str(tmp_path / "sheet.png")), cv2.COLOR_BGR2RGB)
+    np.testing.assert_array_equal(read, drawn)
 
 
 def test_the_camera_looks_where_it_is_told():

@@ -161,7 +161,19 @@ def test_uniform_noise_fills_its_range_and_interpolates():
     noise = uniform_noise(np.random.default_rng(0), 241)
     assert 0.099 < noise.max() <= 0.1
     assert -0.1 <= noise.min() < -0.099
-    assert np.allclose(noise[1], (3 * noise[0] + noise[4]) / 4)
+    nodes, inside = noise[::4, ::4], np.arange(4) / 4
+    lower = nodes[:-1, None, :] + inside[:, None] * np.diff(nodes, axis=0)[:, None, :]
+    assert np.abs(lower.reshape(-1, nodes.shape[1]) - noise[:-1, ::4]).max() < 1e-14
+    across = noise[:, :-1:4, None] + inside * np.diff(noise[:, ::4], axis=1)[:, :, None]
+    assert np.abs(across.reshape(241, -1) - noise[:, :-1]).max() < 1e-14
+
+
+def test_normalised_heights_reach_from_end_to_end_on_one_line():
+    heights = np.random.default_rng(0).normal(size=(40, 50))
+    found = normalised(heights)
+    assert (found.min(), found.max()) == pytest.approx((-0.75, 0.75), abs=1e-12)
+    slope = 1.5 / np.ptp(heights)
+    assert np.allclose(found - found[0, 0], slope * (heights - heights[0, 0]), atol=1e-12)
 
 
 def test_cut_bulges_are_the_highest_surface_within_the_slope():

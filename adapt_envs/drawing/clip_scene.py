@@ -1,0 +1,23 @@
+"""The plain character as motion clips move it."""
+
+from adapt_envs.drawing.scene import Scene
+from adapt_envs.model.build import compile_model
+from adapt_envs.motion.clip import MotionClip, MotionError
+
+LOOK_HEIGHT = 0.90
+"""Height [m] above the ground at which cameras aim: the middle of the standing character."""
+
+
+def clip_scene(clip: MotionClip, width: int, height: int) -> Scene:
+    """A scene, pictures `width` x `height` pixels, that draws the configurations of `clip`.
+
+    Raises:
+        MotionError: if the clip is for a character with other joints.
+        RenderingError: if this machine cannot draw.
+    """
+    model = compile_model()
+    names = tuple(model.actuator(i).name for i in range(model.nu))
+    if clip.joint_names != names:
+        odd = sorted(set(names) ^ set(clip.joint_names)) or ["their order"]
+        raise MotionError(f"clip {clip.name!r} does not fit the character; they differ in: {', '.join(odd)}")
+    return Scene(model, width, height)
