@@ -17,7 +17,6 @@ from adapt_envs.features.observation_rows import copied
 
 NO_INFO: dict[str, Any] = {}
 """Info of every world that goes on, shared by them all; nobody writes into it."""
-_EVERY_ROW = slice(None)
 
 
 class PosedWorlds(Protocol):
@@ -103,7 +102,7 @@ class AdaptVecEnv(VecEnv):
         self._reset_options()
         self._returns[:] = 0.0
         self._lengths[:] = 0
-        return rows_of(observations, _EVERY_ROW)
+        return copied(observations)
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Keep the actions (N, joints) for `step_wait`."""
@@ -120,7 +119,7 @@ class AdaptVecEnv(VecEnv):
             sb3_infos[world] = self._final_info(int(world), infos, bool(truncated[world] and not terminated[world]))
         self._returns[dones] = 0.0
         self._lengths[dones] = 0
-        return rows_of(observations, _EVERY_ROW), np.array(rewards, np.float32), dones, sb3_infos
+        return copied(observations), np.array(rewards, np.float32), dones, sb3_infos
 
     def _final_info(self, world: int, infos: dict[str, Any], truncated: bool) -> dict[str, Any]:
         observation, ends = infos["final_obs"][world], infos.get("final_info", {}).get("end")
