@@ -6,8 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from gymnasium import spaces
-from stable_baselines3.common.type_aliases import Schedule
 from torch import nn
 
 from sb3_adaptnet.modules.adaptation.adapted import Adaptation, AdaptedActor, Penalties
@@ -34,11 +32,7 @@ class AdaptNetPolicy(PolicyFromBase):
 
     def __init__(
         self,
-        observation_space: spaces.Space,
-        action_space: spaces.Space,
-        lr_schedule: Schedule,
-        use_sde: bool = False,
-        base: str | Path | None = None,
+        *args: Any,
         injection: str = "z0",
         own_encoder: bool = True,
         adaptors: str | None = "full",
@@ -52,11 +46,7 @@ class AdaptNetPolicy(PolicyFromBase):
         """Read the base and add an adaptation that does nothing yet.
 
         Args:
-            observation_space: see `ObjectivePolicy`, as the next two.
-            action_space: carries `joint_names`, and `default_base` if no base is given.
-            lr_schedule: PPO's learning rate.
-            use_sde: not supported.
-            base: name of a shipped base, or a file; None takes the environment's default.
+            *args: spaces and PPO's learning rate; see `PolicyFromBase`.
             injection: latent space that is injected: "z0" (the paper's choice), "z1", "z2" or "all".
             own_encoder: whether the injector has its own state encoder.
             adaptors: "full", "lora" or None.
@@ -65,7 +55,8 @@ class AdaptNetPolicy(PolicyFromBase):
             beta: coefficient of the injection's norm (eq. 12).
             kappa: coefficient of the adaptors' norm (eq. 12).
             alpha: scale of the adaptation.
-            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
+            **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of
+                `ObjectivePolicy`.
 
         Raises:
             ValueError: for an unknown choice, or if there would be nothing to train.
@@ -76,7 +67,7 @@ class AdaptNetPolicy(PolicyFromBase):
         self._shape = AdaptationShape(injection, own_encoder, adaptors, rank, injector)
         self._penalties = Penalties(beta, kappa)
         self.merged = False
-        super().__init__(observation_space, action_space, lr_schedule, use_sde, base, **settings)
+        super().__init__(*args, **settings)
         self.alpha = alpha
 
     def adapt(self, base: Backbone) -> AdaptedActor:

@@ -5,8 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from gymnasium import spaces
-from stable_baselines3.common.type_aliases import Schedule
 from torch import nn
 
 from sb3_adaptnet.modules.actor import Actor
@@ -48,19 +46,10 @@ class RegularizedFinetunePolicy(PolicyFromBase):
 
     actor: AnchoredActor
 
-    def __init__(
-        self,
-        observation_space: spaces.Space,
-        action_space: spaces.Space,
-        lr_schedule: Schedule,
-        use_sde: bool = False,
-        base: str | Path | None = None,
-        kappa: float = 0.01,
-        **settings: Any,
-    ) -> None:
+    def __init__(self, *args: Any, kappa: float = 0.01, **settings: Any) -> None:
         """As `PolicyFromBase`, with the penalty's coefficient `kappa`."""
         self.kappa = kappa
-        super().__init__(observation_space, action_space, lr_schedule, use_sde, base, **settings)
+        super().__init__(*args, **settings)
 
     def adapt(self, base: Backbone) -> Actor:
         """A copy of the base that learns, and the base."""

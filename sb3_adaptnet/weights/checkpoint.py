@@ -91,15 +91,7 @@ def save_base(model_or_policy: Any, file: str | Path, **about: Any) -> Path:
 
 
 def save_adaptation(model_or_policy: Any, file: str | Path, **about: Any) -> Path:
-    """Save what a policy adds to its base, and nothing of the base but its name and hash.
-
-    Args:
-        model_or_policy: a PPO model, or its policy.
-        file: where to; the suffix `.safetensors` is added if missing. A `.json` card appears beside it.
-        **about: further entries of the card as JSON values: environment, clip_hash, training, metrics, ...
-
-    Returns:
-        The file.
+    """Save what a policy adds to its base, and nothing of the base but its name and hash; otherwise as `save_base`.
 
     Raises:
         ValueError: for a policy that is not an adaptation, or whose adaptors were merged into the base.

@@ -1,6 +1,8 @@
 """The paths that the base motions follow: speed and heading over time, sampled from a seed."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +28,12 @@ class Command:
     speed: float
     turn: float = 0.0
     rate: float = 2.0
+
+
+Span = tuple[float, float]
+"""Lowest and highest number that is sampled."""
+Chapter = Callable[[np.random.Generator], list[Command]]
+"""Some commands that belong together, sampled."""
 
 
 @dataclass(frozen=True)
@@ -90,9 +98,23 @@ def _stretch(command: Command, dt: float) -> tuple[Array, Array]:
 
 def walking_commands(seconds: float, seed: int) -> list[Command]:
     """Everything a walker does: new goals in any direction, arcs, starts, stops, turns on the spot, all speeds."""
-    rng = np.random.default_rng(seed)
-    commands = [Command(2.0, 1.2)]
-    chapters = (_goals, _goals, _goals, _arcs, _stop, _goals, _goals, _slow, _straight)
+    goals = partial(_goals, count=2, seconds=(2.5, 4.0), speed=(0.95, 1.5), rate=(105, 160))
+    arcs = partial(_arcs, seconds=(2.5, 4.0), speed=(0.7, 1.4))
+    chapters = (goals, goals, goals, arcs, _stop, goals, goals, _slow, _straight)
+    return _filled([Command(2.0, 1.2)], chapters, seconds, np.random.default_rng(seed))
+
+
+def running_commands(seconds: float, seed: int) -> list[Command]:
+    """Everything a runner does: new goals in any direction every 2-3 s, arcs, straights, 1 to 3.5 m/s."""
+    goals = partial(_goals, count=3, seconds=(2.0, 3.2), speed=(1.1, 3.5), rate=(95, 145))
+    arcs = partial(_arcs, seconds=(2.0, 4.0), speed=(1.3, 3.0))
+    chapters = (goals, goals, arcs, goals, _run_straight)
+    return _filled([Command(2.0, 2.0)], chapters, seconds, np.random.default_rng(seed))
+
+
+def _filled(
+    commands: list[Command], chapters: Sequence[Chapter], seconds: float, rng: np.random.Generator
+) -> list[Command]:
     while sum(c.seconds for c in commands) < seconds:
         for chapter in chapters:
             commands += chapter(rng)
@@ -103,19 +125,22 @@ def _angle(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.radians(rng.uniform(low, high)) * rng.choice((-1, 1)))
 
 
-def _goals(rng: np.random.Generator) -> list[Command]:
-    """A new heading, uniform in all directions, and a new speed every 2.5-4 s: what the goal task asks for."""
+def _goals(rng: np.random.Generator, count: int, seconds: Span, speed: Span, rate: Span) -> list[Command]:
+    """What the goal task asks for: a new heading, uniform in all directions, and a new speed [m/s], every few seconds.
+
+    The heading turns at a `rate` [degrees/s].
+    """
     return [
-        Command(rng.uniform(2.5, 4.0), rng.uniform(0.95, 1.5), _angle(rng, 5, 180), np.radians(rng.uniform(105, 160)))
-        for _ in range(2)
+        Command(rng.uniform(*seconds), rng.uniform(*speed), _angle(rng, 5, 180), np.radians(rng.uniform(*rate)))
+        for _ in range(count)
     ]
 
 
-def _arcs(rng: np.random.Generator) -> list[Command]:
+def _arcs(rng: np.random.Generator, seconds: Span, speed: Span) -> list[Command]:
     commands = []
     for _ in range(2):
-        seconds, rate = rng.uniform(2.5, 4.0), rng.uniform(15, 60)
-        commands.append(Command(seconds, rng.uniform(0.7, 1.4), _angle(rng, 1, 1) * rate * seconds, np.radians(rate)))
+        length, rate = rng.uniform(*seconds), rng.uniform(15, 60)
+        commands.append(Command(length, rng.uniform(*speed), _angle(rng, 1, 1) * rate * length, np.radians(rate)))
     return commands
 
 
@@ -133,32 +158,6 @@ def _slow(rng: np.random.Generator) -> list[Command]:
 def _straight(rng: np.random.Generator) -> list[Command]:
     fast = Command(rng.uniform(2.0, 3.0), rng.uniform(1.2, 1.6), _angle(rng, 0, 20))
     return [fast, Command(2.5, rng.uniform(1.0, 1.6))]
-
-
-def running_commands(seconds: float, seed: int) -> list[Command]:
-    """Everything a runner does: new goals in any direction every 2-3 s, arcs, straights, 1 to 3.5 m/s."""
-    rng = np.random.default_rng(seed)
-    commands = [Command(2.0, 2.0)]
-    chapters = (_run_goals, _run_goals, _run_arcs, _run_goals, _run_straight)
-    while sum(c.seconds for c in commands) < seconds:
-        for chapter in chapters:
-            commands += chapter(rng)
-    return commands
-
-
-def _run_goals(rng: np.random.Generator) -> list[Command]:
-    return [
-        Command(rng.uniform(2.0, 3.2), rng.uniform(1.1, 3.5), _angle(rng, 5, 180), np.radians(rng.uniform(95, 145)))
-        for _ in range(3)
-    ]
-
-
-def _run_arcs(rng: np.random.Generator) -> list[Command]:
-    commands = []
-    for _ in range(2):
-        seconds, rate = rng.uniform(2.0, 4.0), rng.uniform(15, 60)
-        commands.append(Command(seconds, rng.uniform(1.3, 3.0), _angle(rng, 1, 1) * rate * seconds, np.radians(rate)))
-    return commands
 
 
 def _run_straight(rng: np.random.Generator) -> list[Command]:
