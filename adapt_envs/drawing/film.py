@@ -18,7 +18,7 @@ from adapt_envs.motion.clip import FPS, MotionClip
 VIDEO_SIZE = (720, 720)
 """Width and height [pixels] of a film."""
 _ENCODINGS: dict[str, dict[str, Any]] = {
-    ".mp4": {"codec": "libx264"},
+    ".mp4": {},
     # A palette for every picture: nothing has to wait in memory for the film's end.
     ".gif": {
         "codec": "gif", "pix_fmt_out": "pal8",
@@ -27,8 +27,8 @@ _ENCODINGS: dict[str, dict[str, Any]] = {
         ],
     },
 }  # fmt: skip
-"""FFmpeg's options by a file's extension. OpenCV's wheels have no encoder of H.264, which every browser plays; the VP9
-they have took 10 times as long for 6 times the bytes."""
+"""What FFmpeg is told for a file's extension, beyond H.264. OpenCV's wheels cannot encode that, which every browser
+plays; their VP9 took 10 times as long for 5 times the bytes."""
 
 
 def video_frames(clip: MotionClip, size: tuple[int, int] = VIDEO_SIZE, min_seconds: float = 5.0) -> Iterator[Image]:

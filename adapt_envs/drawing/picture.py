@@ -15,7 +15,7 @@ Image = NDArray[np.uint8]
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 """A sans serif in OpenCV 5; strokes in OpenCV 4, which are wider."""
 _FONT_SIZE = 30.0
-"""Size [pixels] of the font at scale 1: that of its lines, as typesetters measure it."""
+"""Size [pixels] of the font at scale 1."""
 _CAPITALS = 0.7
 """Height of capitals as a share of the size."""
 _MARGIN = 4

@@ -54,7 +54,7 @@ def normalised(heights: Heights) -> Heights:
     low, high = heights.min(), heights.max()
     if high - low < 1e-9:
         return np.zeros_like(heights)
-    return np.asarray(cv2.normalize(heights, np.empty_like(heights), -HIGHEST, HIGHEST, cv2.NORM_MINMAX), np.float64)
+    return (2 * (heights - low) / (high - low) - 1) * HIGHEST
 
 
 def perlin(rng: np.random.Generator, size: int, wavelength: float) -> Heights:
