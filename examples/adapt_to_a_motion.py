@@ -21,7 +21,7 @@ def clip_of(motion: str, output: Path) -> str:
     clip = import_motion(motion, style=True)
     file = output.with_suffix(".npz")
     clip.save(file)
-    print(f"one gait cycle, {clip.period} frames at {clip.mean_speed:.2f} m/s: {file}")
+    print(f"one gait cycle, {clip.seconds:.2f} s at {clip.mean_speed:.2f} m/s: {file}")
     return str(file)
 
 
