@@ -1,10 +1,10 @@
-# Two commands for users: `make demo` and `make test`. Each sets up .venv with all it needs.
+# For users: `make demo` and `make test`. For contributors: `make check`. Each sets up .venv with all it needs.
 PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test check lint types clean
+.PHONY: demo test check lint format types clean
 
 demo: $(STAMP)
 	$(VENV)/bin/adaptnet demo
@@ -17,6 +17,11 @@ check: lint types test
 
 lint: $(STAMP)
 	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+
+format: $(STAMP)
+	$(VENV)/bin/ruff check --fix .
+	$(VENV)/bin/ruff format .
 
 types: $(STAMP)
 	$(VENV)/bin/mypy

@@ -1,7 +1,7 @@
 """What training maximises: imitation, goal and further rewards, their advantages and step sizes."""
 
 from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
-from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
+from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer, combine_advantages, generalized_advantages
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.objectives.imitation import ImitationObjective
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
@@ -15,4 +15,6 @@ __all__ = [
     "ObjectiveRolloutBuffer",
     "RewardTerm",
     "Schedule",
+    "combine_advantages",
+    "generalized_advantages",
 ]
