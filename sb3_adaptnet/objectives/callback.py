@@ -28,7 +28,7 @@ DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}
 
 
 class DiscriminatorRewardCallback(BaseCallback):
-    """Adds discriminators, K rewards and values, and an actor whose step size follows the KL divergence to `PPO.learn`.
+    """Adds to `PPO.learn` discriminators, K rewards and values, and a step size that follows the KL divergence.
 
     While PPO collects, the callback copies goal rewards and pose windows. At a rollout's end it trains the
     discriminators for one pass, scores the windows (eq. 11), sets every objective's reward to `terminal_reward`
