@@ -118,7 +118,7 @@ class Discriminator(nn.Module):
         return self.scores(self.normalize(windows))
 
     def gradient_norms(self, simulated: torch.Tensor, reference: torch.Tensor) -> torch.Tensor:
-        """Gradient norms of eq. 10's last term, at points drawn between simulated and reference frames.
+        """Gradient norms of eq. 10's last term, at points sampled between simulated and reference frames.
 
         The gradient is that of the heads' sum, as in the authors' released code: one gradient instead of 32. Asking
         a norm of 1 of every head, as eq. 10 is written, lets scores leave [-1, 1] within a few frames of a start

@@ -28,7 +28,7 @@ DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}
 
 
 class DiscriminatorRewardCallback(BaseCallback):
-    """Adds discriminators, K rewards and values, and a KL-steered actor to `PPO.learn`.
+    """Adds to `PPO.learn` discriminators, K rewards and values, and a step size that follows the KL divergence.
 
     While PPO collects, the callback copies goal rewards and pose windows. At a rollout's end it trains the
     discriminators for one pass, scores the windows (eq. 11), sets every objective's reward to `terminal_reward`
@@ -60,7 +60,7 @@ class DiscriminatorRewardCallback(BaseCallback):
                 "footing" does. Default: 0.5 and 0.5. A weight is a number, or samples -> number, joined by straight
                 lines: `{0: 0.5, 1_000_000: 0.2}`.
             terminal_reward: reward of every objective where an episode ended by a fall, lost or diverged.
-            kl_range: range of the KL divergence to steer the actor's step size to; None keeps it fixed.
+            kl_range: range of the KL divergence that the actor's step size is adjusted for; None keeps it fixed.
             actor_lr_range: smallest and largest effective learning rate of the actor.
             discriminator: arguments of `ImitationObjective` (learning_rate, batch_size, gradient_penalty, ...).
             reward_terms: name to a function of PPO's local variables at a step (`new_obs`, `actions`,

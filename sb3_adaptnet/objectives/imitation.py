@@ -54,7 +54,7 @@ class ImitationObjective:
             batch_size: windows in one update, half simulated, half reference.
             gradient_penalty: coefficient of eq. 10's last term.
             max_grad_norm: gradients are clipped to this norm.
-            share: share of the rollout's windows that the one pass sees, drawn at random, in (0, 1].
+            share: share of the rollout's windows that the one pass sees, sampled at random, in (0, 1].
             precision: "fp32", "medium" or "bf16".
             device: where the network lives.
             network: arguments of `Discriminator` (heads, gru, hidden).

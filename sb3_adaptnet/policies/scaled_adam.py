@@ -9,7 +9,7 @@ class ScaledAdam(torch.optim.Adam):
     """Adam whose parameter groups carry an `lr_scale`: the effective step size is `lr * lr_scale`.
 
     `PPO` overwrites `lr` of every group before each update, so two learning rates (the paper's Table 4 has
-    one for the policy and one for the critic) and a step size steered by the KL divergence cannot live there.
+    one for the policy and one for the critic) and a step size adjusted by the KL divergence cannot live there.
     `lr_scale` is a plain entry of the group: it is saved and restored with `state_dict`.
     """
 

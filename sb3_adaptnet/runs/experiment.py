@@ -154,7 +154,7 @@ def _refuse_unknown(where: str, given: Mapping[str, Any], valid: tuple[str, ...]
 def _number(where: str, key: str, value: Any) -> Any:
     """Refuse numbers that YAML reads as text (5e-6), and rl_zoo3's schedules."""
     if isinstance(value, str) and value.startswith("lin_"):
-        raise ValueError(f"{where}: {key} is {value!r}, a schedule; write a number, kl_range steers it")
+        raise ValueError(f"{where}: {key} is {value!r}, a schedule; write a number, kl_range adjusts it")
     if isinstance(value, str):
         try:
             float(value)

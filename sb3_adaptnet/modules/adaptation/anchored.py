@@ -12,7 +12,7 @@ from sb3_adaptnet.modules.observation import Observation
 
 
 class AnchoredActor(Actor):
-    """A network that learns, drawn to the weights of the base it started from.
+    """A network that learns, pulled to the weights of the base it started from.
 
     Attributes:
         network: the network that learns; it may have a heightmap encoder that the base lacks.

@@ -81,7 +81,7 @@ class AnchorPenalty:
     """
 
     def __init__(self, pairs: Sequence[tuple[nn.Parameter, torch.Tensor]], kappa: float) -> None:
-        """Attach to pairs of (parameter that learns, value that it is drawn to)."""
+        """Attach to pairs of (parameter that learns, value that it is pulled to)."""
         self.kappa = kappa
         self._pairs = list(pairs)
         self._scale: torch.Tensor | None = None
