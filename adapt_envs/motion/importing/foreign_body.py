@@ -47,12 +47,7 @@ class ForeignBody:
 
 
 def foreign_body(bvh: Bvh, joints: JointMap, path: Path) -> ForeignBody:
-    """Turn and scale a BVH motion to the character's world.
-
-    Args:
-        bvh: the file's content.
-        joints: which joint is which.
-        path: the file, for messages.
+    """Turn and scale a BVH motion to the character's world; arguments as those of `retarget`.
 
     Raises:
         MotionError: if a leg has no length.
