@@ -6,8 +6,9 @@ import pytest
 
 from adapt_envs import AdaptEnv, env_id, make_vector
 from adapt_envs.features.heightmap import AHEAD, ASIDE, SIZE, heightmaps
-from adapt_envs.model.ground import Ground, Surface, make_ground
+from adapt_envs.model.ground import Ground, make_ground
 from adapt_envs.model.patch_grid import INSET, PATCH
+from adapt_envs.model.surface import Surface
 from adapt_envs.model.terrain import GRID, TERRAINS, normalised, perlin, uniform_noise, without_bulges
 
 ROWS = ("TerrainHills", "TerrainRocky", "TerrainRugged")
