@@ -6,9 +6,9 @@ python examples/terrain_of_your_own.py --picture dunes.png
 import argparse
 
 import adapt_envs
+from adapt_envs.drawing import write_png
 from adapt_envs.model import GRID, perlin
 import gymnasium as gym
-from matplotlib import pyplot
 import numpy as np
 from sb3_adaptnet import load_policy
 from sb3_adaptnet.evaluation import evaluate, open_worlds
@@ -33,7 +33,7 @@ def main() -> None:
     if options.picture:
         env = gym.make(dunes_id, render_mode="rgb_array")
         env.reset(seed=0)
-        pyplot.imsave(options.picture, env.render())
+        write_png(env.render(), options.picture)
     for name in options.policies:
         env = open_worlds(dunes_id)
         figures = evaluate(load_policy(name, env), env, seconds=options.seconds).figures
