@@ -1,124 +1,35 @@
-"""`adaptnet play`: controls, keys, and views where they can be had."""
+"""`adaptnet play`: which view it opens."""
 
-import math
-from importlib.util import find_spec
+from evaluation_cases import save_tiny_base
 
-import numpy as np
-import pytest
-from evaluation_cases import STOOP, save_tiny_adaptation, save_tiny_base
-
+from sb3_adaptnet.commands import play
 from sb3_adaptnet.commands.main import main
-from sb3_adaptnet.commands.policy_options import open_policy
-from sb3_adaptnet.evaluation.recording import open_worlds
-from sb3_adaptnet.play import browser, keyboard
-from sb3_adaptnet.play.controls import Controls, apply, play, weights_between
-from sb3_adaptnet.play.keyboard import Keyboard
+from sb3_adaptnet.play import browser
 
 
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    base = save_tiny_base(tmp_path_factory.mktemp("tiny"))
-    return base, save_tiny_adaptation(base, "one", seed=1), save_tiny_adaptation(base, "two", seed=2)
-
-
-@pytest.fixture
-def one_world():
-    return open_worlds(STOOP, 1, num_threads=1)
-
-
-class Notes:
-    """A view that writes down where the goal is, and changes a wish at step 5."""
-
-    def __init__(self, env, controls):
-        self.env, self.controls, self.goals, self.running = env, controls, [], True
-
-    def show(self):
-        goals = self.env.worlds.goals
-        offset = goals.target[0] - self.env.worlds.root_xy[0]
-        self.goals.append((math.atan2(offset[1], offset[0]), float(goals.speed[0])))
-        if len(self.goals) == 5:
-            self.controls.heading, self.controls.speed = -2.0, 0.7
-        self.running = len(self.goals) < 10
-
-    def close(self):
-        self.running = False
-
-
-def test_the_loop_obeys_until_the_view_is_closed(files, one_world):
-    policy = open_policy(str(files[0]), one_world)
-    controls = Controls.of(policy, one_world)
-    assert controls.alpha is None and controls.weights == {}
-    assert controls.speed == pytest.approx(np.mean(one_world.worlds.spec.speed_range))
-    notes = Notes(one_world, controls)
-    assert play(policy, one_world, notes, controls) == 10
-    assert notes.goals[0] == pytest.approx((0.0, np.mean(one_world.worlds.spec.speed_range)), abs=1e-5)
-    assert notes.goals[-1] == pytest.approx((-2.0, 0.7), abs=1e-5)
-
-
-def test_alpha_blend_and_goals_reach_policy_and_worlds(files, one_world):
-    policy = open_policy(str(files[1]), one_world, styles={str(files[2]): None})
-    one_world.reset(seed=0)
-    controls = Controls.of(policy, one_world, "stroll")
-    assert controls.labels == {"main": "stroll"}
-    assert controls.alpha == 1.0 and controls.weights == {"main": 0.5, "two": 0.5}
-    controls.alpha, controls.weights = 0.3, {"main": 0.0, "two": 1.0}
-    apply(controls, policy, one_world)
-    assert policy.alpha == 0.3 and policy.weights == {"main": 0.0, "two": 1.0}
-    assert one_world.worlds.goals.held_heading[0] == 0.0
-    controls.random_goals = True
-    apply(controls, policy, one_world)
-    target = one_world.worlds.goals.target.copy()
-    apply(controls, policy, one_world)
-    assert np.isnan(one_world.worlds.goals.held_heading[0])
-    assert np.array_equal(target, one_world.worlds.goals.target)
-
-
-def test_keys():
-    controls = Controls(speed=1.0, alpha=1.0, weights={"a": 0.0, "b": 1.0, "c": 0.0})
-    board = Keyboard(controls)
-    for key in (keyboard.LEFT, keyboard.LEFT, keyboard.RIGHT, keyboard.UP, keyboard.MINUS, keyboard.PAGE_UP, 9999):
-        board.press(key)
-    assert controls.heading == pytest.approx(math.radians(15))
-    assert controls.speed == pytest.approx(1.1) and controls.alpha == pytest.approx(0.95)
-    assert controls.weights == pytest.approx({"a": 0.0, "b": 0.9, "c": 0.1})
-    for _ in range(20):
-        board.press(keyboard.PAGE_DOWN)
-        board.press(keyboard.DOWN)
-    assert controls.weights == pytest.approx({"a": 1.0, "b": 0.0, "c": 0.0}) and controls.speed == pytest.approx(0.1)
-    board.press(keyboard.ENTER)
-    board.press(keyboard.BACKSPACE)
-    assert controls.random_goals and controls.restart
-
-
-def test_weights_glide_from_style_to_style():
-    names = ("a", "b", "c")
-    assert weights_between(dict.fromkeys(names, 0.0), 0.0) == {"a": 1.0, "b": 0.0, "c": 0.0}
-    assert weights_between(dict.fromkeys(names, 0.0), 1.25) == {"a": 0.0, "b": 0.75, "c": 0.25}
-    assert weights_between(dict.fromkeys(names, 0.0), 7.0) == {"a": 0.0, "b": 0.0, "c": 1.0}
-
-
-def test_without_viser_one_sentence_says_what_to_install(files, capsys, monkeypatch):
+def test_without_viser_one_sentence_says_what_to_install(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(browser, "viser", None)
-    assert main(["play", str(files[0]), "--view", "browser"]) == 2
+    assert main(["play", str(save_tiny_base(tmp_path)), "--view", "browser"]) == 2
     printed = capsys.readouterr()
     assert "pip install viser" in printed.err and printed.err.count("\n") == 1
 
 
-@pytest.mark.skipif(find_spec("viser") is None, reason="viser is optional")
-def test_the_browser_view_plays_and_its_sliders_steer(files, one_world):
-    policy = open_policy(str(files[1]), one_world, styles={str(files[2]): None})
-    one_world.reset(seed=0)
-    controls = Controls.of(policy, one_world)
-    view = browser.Browser(one_world.worlds, controls, port=8971)
-    try:
-        assert play(policy, one_world, view, controls, steps=3) == 3
-        assert set(view.sliders) == {"speed", "heading", "random goals", "restart", "alpha", "blend main", "blend two"}
-        browser.take(controls, "heading", 90)
-        browser.take(controls, "blend two", 0.25)
-        browser.take(controls, "alpha", 0.5)
-        browser.take(controls, "restart", True)
-        assert controls.heading == pytest.approx(math.pi / 2) and controls.alpha == 0.5 and controls.restart
-        assert controls.weights == {"main": 0.5, "two": 0.25}
-    finally:
-        view.close()
-    assert not view.running
+def test_it_plays_as_many_steps_as_asked_and_closes_the_view(tmp_path, capsys, monkeypatch):
+    shown = []
+
+    class Counting:
+        running, address = True, "http://here"
+
+        def __init__(self, worlds, controls, host, port):
+            self.place = host, port
+
+        def show(self):
+            shown.append(self.place)
+
+        def close(self):
+            shown.append("closed")
+
+    monkeypatch.setattr(play, "Browser", Counting)
+    words = ["--view", "browser", "--port", "9", "--steps", "3", "--threads", "1"]
+    assert main(["play", str(save_tiny_base(tmp_path)), *words]) == 0
+    assert shown == [("127.0.0.1", 9)] * 3 + ["closed"] and "open http://here" in capsys.readouterr().out
