@@ -1,5 +1,6 @@
 """Files that commands are asked to write."""
 
+import os
 from pathlib import Path
 
 
@@ -11,7 +12,7 @@ def check_output(path: str | Path, *suffixes: str) -> None:
         suffixes: extensions that it may have, such as ".png"; none for any.
 
     Raises:
-        ValueError: for another extension, a folder, or a file in a folder that does not exist.
+        ValueError: for another extension, a folder, or a file in a folder that does not exist or is read-only.
     """
     file = Path(path)
     if suffixes and file.suffix.lower() not in suffixes:
@@ -20,3 +21,5 @@ def check_output(path: str | Path, *suffixes: str) -> None:
         raise ValueError(f"{path}: is a folder")
     if not file.absolute().parent.is_dir():
         raise ValueError(f"{path}: the folder {file.parent} does not exist")
+    if not os.access(file.absolute().parent, os.W_OK):
+        raise ValueError(f"{path}: the folder {file.parent} is read-only")

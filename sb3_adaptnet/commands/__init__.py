@@ -1,1 +1,3 @@
-"""The command line `adaptnet`."""
+"""The command line `adaptnet`: one file for each subcommand, `main` puts them together; nothing to import for users."""
+
+__all__: list[str] = []

@@ -1,4 +1,4 @@
-"""`adaptnet adapt`: a motion of one's own to a style controller."""
+"""`adaptnet adapt`: a motion file becomes a style controller."""
 
 import argparse
 from pathlib import Path
@@ -8,15 +8,24 @@ from adapt_envs.commands.output import check_output
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
 from adapt_envs.motion.library import load_clip
+from adapt_envs.progress import Progress
+from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
-from sb3_adaptnet.commands.policy_options import ProgressBar
+from sb3_adaptnet.commands.policy_options import ProgressBar, open_worlds_for
 from sb3_adaptnet.commands.train import INTERRUPTED, positive
+from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
+from sb3_adaptnet.evaluation.figures import Figures, evaluate
+from sb3_adaptnet.evaluation.report import text_table
+from sb3_adaptnet.policies.loading import load_policy
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import MOTION, RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
-from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
+from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
 
 STYLE_ENV = "AdaptNet/Humanoid-Style-v0"
+"""The environment that takes any motion."""
+SECONDS = 300.0
+"""Simulated seconds of the evaluation at the end."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -36,19 +45,21 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
     parser.add_argument("--device", default="cpu", help="cpu (default) or cuda")
     parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
+    words = f"simulated seconds that the result is measured for (default {SECONDS:g})"
+    parser.add_argument("--seconds", type=seconds_of, default=SECONDS, help=words)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Adapt, or go on adapting, then write the weight file and say what to do with it."""
+    """Adapt, or go on adapting, then write the weight file, measure it and say what to do with it."""
     check_output(options.output)
     shown = {"minutes": options.minutes, "quiet": options.quiet}
     if options.resume is not None:
         folder = resume(options.resume, options.samples, **shown)
     else:
         folder = start(*prepare(options), **shown)
-    return report(folder, options.output)
+    return report(folder, options.output, options.seconds, options.quiet)
 
 
 def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
@@ -88,14 +99,25 @@ def opened(motion: str, joint_map: str | None = None, quiet: bool = False) -> Mo
     return import_motion(motion, joint_map, style=True, progress=iter if quiet else ProgressBar("fitting"))
 
 
-def report(folder: RunFolder, output: Path) -> int:
-    """Write the weight file of a finished run, or say how to go on with an interrupted one."""
+def report(folder: RunFolder, output: Path, seconds: float, quiet: bool = False) -> int:
+    """Write the weight file of a finished run and measure it, or say how to go on with an interrupted one."""
     done, asked = folder.load()["samples"], folder.settings.samples
     if done < asked:
         print(f"stopped at {done:,} of {asked:,}; go on with: adaptnet adapt --resume {folder.path} -o {output}")
         return INTERRUPTED
     file = export(folder.path, output)
     print(f"wrote {file} after {done:,} samples (run: {folder.path})")
+    print(text_table({file.stem: measure(file, folder.settings, seconds, iter if quiet else ProgressBar("walking"))}))
     base = "" if folder.settings.base == "walk" else f" --base {folder.settings.base}"
-    print(f"look at it:  adaptnet play {file}{base}\nmeasure it:  adaptnet eval {file}{base}")
+    print(f"look at it:     adaptnet play {file}{base}\nmeasure longer: adaptnet eval {file}{base} --write-card")
     return 0
+
+
+def measure(file: Path, settings: RunSettings, seconds: float, progress: Progress) -> Figures:
+    """Measure a weight file where it was trained and write the figures into its card; return them."""
+    env = open_worlds_for(str(file), threads=settings.threads)
+    figures = evaluate(load_policy(file, env, base=settings.base), env, seconds, progress=progress).figures
+    env.close()
+    base = None if settings.base in pretrained_names() else settings.base
+    write_evaluation(file, figures, eval_command(str(file), figures, base=base))
+    return figures

@@ -23,9 +23,13 @@ from adapt_envs.registration import env_id, make_vector
 from adapt_envs.vector_env import AdaptVectorEnv
 
 _NOISE = 0.05
+"""Standard deviation of the noise on actions, which are in [-1, 1]."""
 _STEPS, _ROUNDS = 20, 5
+"""Steps of a round, and rounds that a median is taken over."""
 _SB3_WORLDS = 64
+"""Worlds of what this is compared with."""
 _SIZES = (64, 256, 512, 1024, 2048, 4096)
+"""Numbers of worlds that the cost of a step is measured for."""
 _GYM_SUBSTEPS = 5
 """Physics steps per step of Gymnasium's Humanoid-v5 (frame_skip)."""
 _PRELOADED = ["adapt_envs", "sb3_adaptnet.commands.main", "gymnasium.envs.mujoco.humanoid_v5"]

@@ -23,7 +23,9 @@ from sb3_adaptnet.runs.experiment import Experiment, experiment
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
 PARTS = ("act", "simulate", "discriminators", "imitation_reward", "update", "other")
+"""What an iteration's time is divided into."""
 PLAIN = {"precision": "fp32", "optimizer_kwargs": {"fused": False}}
+"""Arguments of the plain version's policy."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -155,7 +157,7 @@ def _take_torch_gru(network: torch.nn.Module) -> None:
 
 
 def _forget_base_codes(policy: Any) -> None:
-    """Let a policy around a frozen base encode every sample anew in every epoch."""
+    """Let a policy around a frozen base encode every sample again in every epoch."""
     policy._with_base_code = lambda observation: observation
 
 

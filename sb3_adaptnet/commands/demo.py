@@ -19,7 +19,8 @@ from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
 from sb3_adaptnet.commands.train import INTERRUPTED, positive
-from sb3_adaptnet.evaluation.figures import Evaluation, evaluate
+from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
+from sb3_adaptnet.evaluation.figures import Evaluation, Figures, evaluate
 from sb3_adaptnet.evaluation.pictures import side_by_side
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import listing, paragraph, picture, table, text_table, video, write_page
@@ -31,7 +32,9 @@ from sb3_adaptnet.weights.shipped import pretrained_names
 SAMPLES, MINUTES, SECONDS = 900_000, 6.5, 300.0
 """Training's budget, whichever ends first, and simulated seconds of each evaluation: under 10 minutes in all."""
 FILM_SECONDS, SHORTEST_FILM = 7.0, 1.0
+"""Length of the video [s], and what a policy must last to be in it [s]."""
 PAGE = "index.html"
+"""File of the page, in the output's folder."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -109,17 +112,21 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
 
 
 def show_policies(options: argparse.Namespace, trained: RunFolder) -> Path:
-    """Measure base, own result and the shipped adaptation, draw them, write the page; return it."""
+    """Measure base, result and the shipped adaptation, draw them, write the result's card and the page; return it."""
     output, environment = options.output, trained.settings.env_id
     samples = trained.load()["samples"]
     policies = {f"base {Path(options.base).stem}": str(options.base)}
-    policies[f"own, {samples / 1000:,.0f} k samples"] = str(export(trained.path, output / "own"))
+    file, caption = export(trained.path, output / "own"), f"own, {samples / 1000:,.0f} k samples"
+    policies[caption] = str(file)
     shipped = f"walk-{options.style.lower()}"
     if options.base == "walk" and shipped in pretrained_names():
         policies[f"shipped {shipped}"] = shipped
     print(f"2/3 measuring {', '.join(policies)}")
     found = measure(policies, environment, options.base, options.seconds)
     figures = {name: evaluation.figures for name, evaluation in found.items()}
+    own = figures[caption]
+    base = None if options.base in pretrained_names() else options.base
+    write_evaluation(file, own, eval_command(str(file), own, base=base))
     print(text_table(figures))
     (output / "figures.json").write_text(
         json.dumps({name: values.as_dict() for name, values in figures.items()}, indent=2) + "\n", encoding="utf-8"
@@ -177,7 +184,11 @@ def _filmable(evaluation: Evaluation) -> bool:
 
 
 def _sections(
-    options: argparse.Namespace, samples: int, figures: Mapping[str, Any], sheets: Mapping[str, str], filmed: str | None
+    options: argparse.Namespace,
+    samples: int,
+    figures: Mapping[str, Figures],
+    sheets: Mapping[str, str],
+    filmed: str | None,
 ) -> list[tuple[str, list[str]]]:
     style = options.style
     words = (

@@ -11,14 +11,17 @@ from adapt_envs.drawing.film import video_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
 from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
-from sb3_adaptnet.evaluation.before_after import write_before_after
+from sb3_adaptnet.evaluation.before_after import check_world, write_before_after
+from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
 from sb3_adaptnet.evaluation.pictures import write_strip
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
+from sb3_adaptnet.weights.checkpoint import resolve
 
 VIDEO_SECONDS = 12.0
+"""Longest video [s]."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -31,12 +34,14 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
     parser.add_argument("--push-scale", type=float, metavar="S", help="pushes at S times their force (default 1)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--write-card", action="store_true", help="write the figures into the weight file's card")
     parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a contact sheet of it going straight on")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="film it going to targets")
     parser.add_argument("--strip", type=Path, metavar="FILE.png", help="draw an adaptation at alpha 0, 0.25, ..., 1")
     parser.add_argument(
         "--before-after", type=Path, metavar="FILE.png", help="draw an adaptation and its base in the same world"
     )
+    parser.add_argument("--world", type=int, default=0, metavar="N", help="world of --before-after (default 0)")
     parser.set_defaults(run=run)
 
 
@@ -58,6 +63,7 @@ def run(options: argparse.Namespace) -> int:
     for option, path in (("--strip", options.strip), ("--before-after", options.before_after)):
         if path is not None and not isinstance(loaded.policy, AdaptNetPolicy):
             raise ValueError(f"{option} needs an adaptation; {loaded.name!r} is none")
+    check_world(options.world, loaded.env)
     if options.push_scale is not None:
         loaded.env.push_scale = options.push_scale
     found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, ProgressBar("walking"))
@@ -65,23 +71,35 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
     else:
         print(text_table({loaded.title: found.figures}))
-    drawn = draw(loaded, found, options.sheet, options.video)
-    drawn += draw_alphas(loaded, options.strip, options.before_after, options.seed)
+    drawn = [write_card(options, found)] if options.write_card else []
+    drawn += draw(loaded, found, options.sheet, options.video)
+    drawn += draw_alphas(loaded, options.strip, options.before_after, options.seed, options.world)
     for path in () if options.json else drawn:
         print(f"wrote {path}")
     return 0
 
 
 def check_outputs(options: argparse.Namespace) -> None:
-    """Refuse pictures that cannot be written, before the measuring.
+    """Refuse pictures and a card that cannot be written, before the measuring.
 
     Raises:
-        ValueError: for an extension that is no picture's or video's, or a folder that does not exist.
+        ValueError: for an extension that is no picture's or video's, a folder that does not exist, or a card that would
+            speak of something else than its file.
     """
+    if options.write_card:
+        if options.alpha is not None or options.styles or options.push_scale is not None:
+            raise ValueError("--write-card measures the file as it is: leave out --alpha, --styles and --push-scale")
+        check_output(resolve(options.policy))
     pictures, films = (options.sheet, options.strip, options.before_after), (options.video,)
     for path, suffixes in [(path, (".png",)) for path in pictures] + [(path, (".mp4", ".gif")) for path in films]:
         if path is not None:
             check_output(path, *suffixes)
+
+
+def write_card(options: argparse.Namespace, found: Evaluation) -> Path:
+    """Write the figures into the card of the weight file; return the file."""
+    asked = {"env": options.env, "motion": options.motion, "base": options.base}
+    return write_evaluation(options.policy, found.figures, eval_command(options.policy, found.figures, **asked))
 
 
 def draw(loaded: LoadedPolicy, found: Evaluation, sheet: Path | None, video: Path | None) -> list[Path]:
@@ -98,11 +116,13 @@ def draw(loaded: LoadedPolicy, found: Evaluation, sheet: Path | None, video: Pat
     return [path for path in (sheet, video) if path is not None]
 
 
-def draw_alphas(loaded: LoadedPolicy, strip: Path | None, before_after: Path | None, seed: int) -> list[Path]:
-    """Draw an adaptation at five alphas, or with its base in the same world, where asked for; return the pictures."""
+def draw_alphas(
+    loaded: LoadedPolicy, strip: Path | None, before_after: Path | None, seed: int, world: int
+) -> list[Path]:
+    """Draw an adaptation at five alphas, or with its base in one world, where asked for; return the pictures."""
     if isinstance(loaded.policy, AdaptNetPolicy):
         if strip is not None:
             write_strip(alpha_clips(loaded.policy, loaded.env, seed=seed), strip)
         if before_after is not None:
-            write_before_after(loaded.policy, loaded.env, before_after, seed)
+            write_before_after(loaded.policy, loaded.env, before_after, seed, world)
     return [path for path in (strip, before_after) if path is not None]

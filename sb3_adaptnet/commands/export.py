@@ -1,26 +1,31 @@
 """`adaptnet export`: a run's checkpoint to a weight file with a card."""
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from stable_baselines3.common.utils import ConstantSchedule
 
-from adapt_envs import AdaptVectorEnv
+from adapt_envs import AdaptVectorEnv, TaskSpec
 from adapt_envs.commands.output import check_output
 from adapt_envs.motion.library import load_clip, ships
+from sb3_adaptnet.evaluation.card import TRAINING_MEANS
 from sb3_adaptnet.runs.curve import panels
 from sb3_adaptnet.runs.experiment import Experiment
-from sb3_adaptnet.runs.history import read_rows
+from sb3_adaptnet.runs.history import Row, read_rows
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.runs.training import make_worlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.checkpoint import BASE, save_adaptation, save_base
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
 
-CLIP_SUFFIX = ".motion.npz"  # after the weights' name: their reference clip, if it is none of those that ship
-METRIC_ROWS = 10  # last rollouts that the card's metrics are the means of
+CLIP_SUFFIX = ".motion.npz"
+"""Comes after the weights' name: their reference clip, if it is none of those that ship."""
+LAST_ROLLOUTS = 10
+"""Rollouts at the end of training that the card's means are taken over."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -61,8 +66,9 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
         worlds.observation_space, worlds.action_space, ConstantSchedule(0.0), **entry.ppo["policy_kwargs"]
     )
     policy.load_state_dict(state["policy"])
-    motion = motion_of(worlds)
-    card = card_of(folder, entry, int(state["samples"])) | clip_of(motion, Path(output))
+    spec = task_of(worlds)
+    motion = None if spec is None else spec.motion
+    card = card_of(folder, entry, int(state["samples"]), spec) | clip_of(motion, Path(output))
     worlds.close()
     save = save_base if policy.export()[0] == BASE else save_adaptation
     file = save(policy, output, **card)
@@ -71,10 +77,10 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
     return file
 
 
-def motion_of(worlds: AdaptVecEnv) -> str | None:
-    """Name or file of the reference clip, where the worlds are this project's."""
+def task_of(worlds: AdaptVecEnv) -> TaskSpec | None:
+    """The task's row with its overrides, where the worlds are this project's."""
     vector = worlds.vector_env.unwrapped
-    return vector.worlds.spec.motion if isinstance(vector, AdaptVectorEnv) else None
+    return vector.worlds.spec if isinstance(vector, AdaptVectorEnv) else None
 
 
 def clip_of(motion: str | None, output: Path) -> dict[str, Any]:
@@ -85,15 +91,9 @@ def clip_of(motion: str | None, output: Path) -> dict[str, Any]:
     return {"motion": motion if ships(motion) else beside, "clip_hash": load_clip(motion).digest}
 
 
-def card_of(folder: RunFolder, entry: Experiment, samples: int) -> dict[str, Any]:
-    """Entries of the card: where the weights come from and how well they did while training."""
+def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec | None) -> dict[str, Any]:
+    """Entries of the card: where the weights come from and what training reported at its end."""
     settings = folder.settings
-    rows = read_rows(folder.progress, samples)[-METRIC_ROWS:]
-    metrics = {
-        name: round(sum(row[name] for row in rows) / len(rows), 4)
-        for name in panels({"": rows})
-        if rows and all(name in row for row in rows)
-    }
     policy_kwargs = dict(entry.ppo["policy_kwargs"])
     if policy_kwargs.get("base") is not None:  # its name: where the file lay means nothing elsewhere
         policy_kwargs["base"] = Path(policy_kwargs["base"]).name.removesuffix(WEIGHT_SUFFIX)
@@ -101,8 +101,25 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int) -> dict[str, Any
         "samples": samples,
         "seed": settings.seed,
         "worlds": settings.n_envs or entry.n_envs,
-        "policy": f"{entry.policy.__module__}.{entry.policy.__qualname__}",
+        "policy": public_path(entry.policy),
         "ppo": {**entry.ppo, "policy_kwargs": policy_kwargs},
         "callbacks": [{cls.__name__: kwargs} for cls, kwargs in entry.callbacks],
+        TRAINING_MEANS: means_of(read_rows(folder.progress, samples)[-LAST_ROLLOUTS:]),
     }
-    return {"environment": settings.env_id, "training": training, "metrics": metrics}
+    if spec is not None and (spec.terrain is not None or spec.obstacles is not None):
+        training["terrain_seed"] = spec.terrain_seed
+    return {"environment": settings.env_id, "training": training}
+
+
+def means_of(rows: Sequence[Row]) -> dict[str, float]:
+    """Means of what every one of the rows has, and over how many `rollouts` they are; none of no rows."""
+    names = [name for name in panels({"": rows}) if rows and all(name in row for row in rows)]
+    means = {name: round(sum(row[name] for row in rows) / len(rows), 4) for name in names}
+    return {"rollouts": len(rows), **means} if means else {}
+
+
+def public_path(cls: type) -> str:
+    """Dotted name of a class: by its package alone where that exports it, as YAML files name it."""
+    package = cls.__module__.partition(".")[0]
+    public = getattr(import_module(package), cls.__qualname__, None) is cls
+    return f"{package if public else cls.__module__}.{cls.__qualname__}"

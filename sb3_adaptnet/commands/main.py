@@ -1,4 +1,4 @@
-"""The command `adaptnet`: one parser, its subcommands in files of their own."""
+"""The command `adaptnet`: one parser; each subcommand has its file."""
 
 import argparse
 import os
@@ -11,7 +11,8 @@ from adapt_envs.commands import doctor, envs, motions
 from sb3_adaptnet.commands import adapt, bench_env, bench_train, curves, demo, export, play, train
 from sb3_adaptnet.commands import eval as evaluation
 
-BAD_INPUT, PIPE_CLOSED = 2, 141  # exit codes; the latter is what shells have for it
+BAD_INPUT, PIPE_CLOSED = 2, 141
+"""Exit codes; the latter is what shells have for it."""
 
 
 def make_parser() -> argparse.ArgumentParser:

@@ -8,11 +8,11 @@ from adapt_envs.drawing.world_view import Window
 from adapt_envs.simulation.worlds import Worlds
 from sb3_adaptnet.commands.policy_options import add_options, open_from_options
 from sb3_adaptnet.commands.train import positive
-from sb3_adaptnet.play.browser import Browser
-from sb3_adaptnet.play.controls import Controls, View, play
-from sb3_adaptnet.play.keyboard import HELP, Keyboard
+from sb3_adaptnet.play import Browser, Controls, Keyboard, View, play
+from sb3_adaptnet.play.keyboard import HELP
 
 VIEWS = ("auto", "window", "browser")
+"""Where a policy can be shown; the first is the default."""
 
 
 def add_parser(subparsers: Any) -> None:

@@ -68,15 +68,26 @@ def open_from_options(options: argparse.Namespace, num_worlds: int = WORLDS) -> 
     """
     if options.threads is not None:
         torch.set_num_threads(options.threads)
-    env_id, motion = options.env, options.motion
-    if env_id is None:
-        env_id, trained_on = trained_in(options.policy)
-        motion = motion or trained_on
-    overrides = {} if motion is None else {"motion": motion}
-    env = open_worlds(env_id, num_worlds, num_threads=options.threads, **overrides)
+    env = open_worlds_for(options.policy, options.env, options.motion, num_worlds, options.threads)
     policy = open_policy(options.policy, env, options.base, options.alpha, options.styles)
     first = next(iter(options.styles), options.policy) if read_kind(options.policy) == BASE else options.policy
     return LoadedPolicy(policy, env, options.policy, Path(first).stem)
+
+
+def open_worlds_for(
+    policy: str, env_id: str | None = None, motion: str | None = None, num_worlds: int = WORLDS,
+    threads: int | None = None,
+) -> AdaptVectorEnv:  # fmt: skip
+    """Worlds of an environment, or of the one that a weight file's card names if `env_id` is None.
+
+    Raises:
+        ValueError: if the card names none, or there is no such environment or motion.
+    """
+    if env_id is None:
+        env_id, trained_on = trained_in(policy)
+        motion = motion or trained_on
+    overrides = {} if motion is None else {"motion": motion}
+    return open_worlds(env_id, num_worlds, num_threads=threads, **overrides)
 
 
 def trained_in(policy: str) -> tuple[str, str | None]:

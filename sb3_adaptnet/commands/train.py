@@ -7,8 +7,10 @@ from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
 
-INTERRUPTED = 130  # exit code after Ctrl-C, as shells have it
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
 FROM_SCRATCH_ONLY = ("seed", "conf_file", "base", "motion", "n_envs", "run_dir")
+"""Options that a resumed run cannot change."""
 
 
 def add_parser(subparsers: Any) -> None:

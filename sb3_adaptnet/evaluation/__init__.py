@@ -1,7 +1,25 @@
 """From rollouts of a policy to figures, pictures and a page: imitation error, falls, goal reward, sliding, jerk."""
 
-from sb3_adaptnet.evaluation.figures import Figures, evaluate
-from sb3_adaptnet.evaluation.imitation_error import imitation_error
+from sb3_adaptnet.evaluation.alpha import alpha_clips
+from sb3_adaptnet.evaluation.before_after import before_after, write_before_after
+from sb3_adaptnet.evaluation.card import evaluation_block, write_evaluation
+from sb3_adaptnet.evaluation.figures import Evaluation, Figures, evaluate
+from sb3_adaptnet.evaluation.imitation_error import ImitationError, imitation_error
 from sb3_adaptnet.evaluation.recording import Recording, open_worlds, record, record_straight
 
-__all__ = ["Figures", "Recording", "evaluate", "imitation_error", "open_worlds", "record", "record_straight"]
+__all__ = [
+    "Evaluation",
+    "Figures",
+    "ImitationError",
+    "Recording",
+    "alpha_clips",
+    "before_after",
+    "evaluate",
+    "evaluation_block",
+    "imitation_error",
+    "open_worlds",
+    "record",
+    "record_straight",
+    "write_before_after",
+    "write_evaluation",
+]

@@ -10,6 +10,7 @@ from sb3_adaptnet.evaluation.rollout_clips import typical_clip
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 ALPHAS = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Strengths that are drawn beside each other."""
 
 
 def alpha_clips(

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from adapt_envs import AdaptVectorEnv
 from adapt_envs.drawing.picture import Image, tiled, write_png
@@ -15,95 +14,94 @@ from sb3_adaptnet.evaluation.pictures import captioned
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 SECONDS, COLUMNS = 6.0, 7
+"""Simulated seconds that are shown, and the tiles that show them."""
 _TILE = (270, 300)
+"""Width and height of a tile [pixels]."""
 _CAMERA = Camera(azimuth=120, elevation=-14, distance=5.6, fovy=28)
+_STEPS = round(SECONDS / CONTROL_DT)
 
 
-class FirstEnds(NamedTuple):
-    """How each world's first episode ended.
+class FirstEnd(NamedTuple):
+    """How a world's first episode ended.
 
     Attributes:
-        steps: (N,) steps made before the one it ended in; all of them where it went on.
-        reasons: (N,) `info["end"]`, such as "fall"; "" where it went on.
+        steps: steps made before the one it ended in; all of them if it went on.
+        reason: `info["end"]`, such as "fall"; "" if it went on.
     """
 
-    steps: NDArray[np.int64]
-    reasons: NDArray[np.str_]
+    steps: int
+    reason: str
 
 
-def first_ends(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, steps: int) -> FirstEnds:
-    """Run the policy's mean action for `steps` steps."""
-    found = FirstEnds(np.full(env.num_envs, steps), np.full(env.num_envs, "", dtype="<U8"))
-    observations, _ = env.reset(seed=seed)
-    for step in range(steps):
-        actions, _ = policy.predict(observations, deterministic=True)
-        observations, _, terminated, _, infos = env.step(actions)
-        first = terminated & (found.reasons == "")
-        if first.any():
-            found.steps[first], found.reasons[first] = step, infos["final_info"]["end"][first]
-    return found
+def check_world(world: int, env: AdaptVectorEnv) -> None:
+    """Refuse a world that does not exist.
+
+    Raises:
+        ValueError: if `env` has no world of this number.
+    """
+    if not 0 <= world < env.num_envs:
+        raise ValueError(f"there is no world {world}; they are 0 to {env.num_envs - 1}")
 
 
-def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0) -> Image:
+def before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int = 0, world: int = 0) -> Image:
     """Pictures (height, width, 3) of six seconds in one world: the base above, the adaptation below.
 
-    Of the worlds in which the adaptation lasts longest, and longer than its base if there is such a one, it is the one
-    in which the base lasts as long as it usually does there; a row ends as the episode does, by a fall or, say, lost.
-    The policy keeps its alpha.
+    A row ends as the world's first episode does, by a fall or, say, lost. The policy keeps its alpha.
 
     Args:
         policy: an adaptation.
         env: worlds without a time limit (`open_worlds`).
         seed: of start states and goals.
+        world: number of the world that is drawn.
 
     Raises:
+        ValueError: if there is no such world.
         RenderingError: if this machine cannot draw.
     """
-    kept, steps = policy.alpha, round(SECONDS / CONTROL_DT)
-    alphas = {"before": 0.0, "after": kept}
+    check_world(world, env)
+    kept = policy.alpha
     env.set_goal(None, None)
-    ends = {}
+    rows = []
     try:
-        for caption, alpha in alphas.items():
+        for caption, alpha in {"before": 0.0, "after": kept}.items():
             policy.alpha = alpha
-            ends[caption] = first_ends(policy, env, seed, steps)
-        world = _typical(ends["before"].steps, ends["after"].steps)
-        rows = []
-        for caption, alpha in alphas.items():
-            policy.alpha = alpha
-            end = int(ends[caption].steps[world]), str(ends[caption].reasons[world])
-            rows.append(_row(policy, env, seed, caption, world, *end))
+            rows.append(_draw_row(policy, env, seed, caption, world))
     finally:
         policy.alpha = kept
     return tiled(rows, COLUMNS)
 
 
-def write_before_after(policy: AdaptNetPolicy, env: AdaptVectorEnv, path: str | Path, seed: int = 0) -> None:
+def write_before_after(
+    policy: AdaptNetPolicy, env: AdaptVectorEnv, path: str | Path, seed: int = 0, world: int = 0
+) -> None:
     """Write `before_after` as a PNG."""
-    write_png(before_after(policy, env, seed), path)
+    write_png(before_after(policy, env, seed, world), path)
 
 
-def _typical(before: NDArray[np.int64], after: NDArray[np.int64]) -> int:
-    worlds = np.flatnonzero(after == after.max())
-    outlasted = worlds[before[worlds] < after.max()]
-    worlds = outlasted if len(outlasted) else worlds
-    return int(worlds[before[worlds].argsort(kind="stable")[len(worlds) // 2]])
+def first_end(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, world: int) -> FirstEnd:
+    """Run the policy's mean action until the world's first episode ends, or for six seconds."""
+    observations, _ = env.reset(seed=seed)
+    for step in range(_STEPS):
+        actions, _ = policy.predict(observations, deterministic=True)
+        observations, _, terminated, _, infos = env.step(actions)
+        if terminated[world]:
+            return FirstEnd(step, str(infos["final_info"]["end"][world]))
+    return FirstEnd(_STEPS, "")
 
 
-def _row(
-    policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, world: int, end: int, reason: str
-) -> list[Image]:
-    """Tiles of `world` at equal intervals until its episode ends after `end` steps, and of the moment before that."""
-    steps = round(SECONDS / CONTROL_DT)
-    moments = [round(i * steps / (COLUMNS - 1)) for i in range(COLUMNS)]
-    moments = [m for m in moments if m < end] + ([end] if end < steps else [steps])
+def _draw_row(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: str, world: int) -> list[Image]:
+    """Draw tiles of `world` at equal intervals until its episode ends, the last one of the moment before that."""
+    end = first_end(policy, env, seed, world)
+    moments = [m for m in (round(i * _STEPS / (COLUMNS - 1)) for i in range(COLUMNS)) if m < end.steps] + [end.steps]
     camera = _CAMERA if env.worlds.ground.obstacles is None else HIGH
     renderer, tiles = SceneRenderer(env.worlds, _TILE), []
     try:
         observations, _ = env.reset(seed=seed)
         for step in range(moments[-1] + 1):
             if step in moments:
-                moment = f"{caption}, {step * CONTROL_DT:.1f} s" + (f", {reason}" if step == end < steps else "")
+                moment = f"{caption}, {step * CONTROL_DT:.1f} s" + (
+                    f", {end.reason}" if step == end.steps < _STEPS else ""
+                )
                 tiles.append(captioned(renderer.picture(world, camera), moment))
             actions, _ = policy.predict(observations, deterministic=True)
             observations, *_ = env.step(actions)

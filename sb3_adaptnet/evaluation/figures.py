@@ -23,8 +23,8 @@ class Figures:
     Attributes:
         goal_reward: mean goal reward of a step, in (0, 1]; random goals.
         falls_per_minute: episodes that ended by a fall, by getting lost or by diverging, per simulated minute.
-        targets_reached: share of the targets that were come within 0.5 m of before their timer or the episode ended;
-            None if no target came to its end.
+        targets_reached: share of the targets that the root reached within 0.5 m before their timer or the episode
+            ended; None if no target came to its end.
         imitation_error_m: mean distance to the reference [m], straight ahead (see `imitation_error`); None if no world
             stayed up for 3 s.
         imitation_error_std_m: standard deviation over matched frames [m].

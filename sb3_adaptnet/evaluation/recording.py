@@ -78,7 +78,7 @@ class Recording:
 
 @dataclass
 class _Targets:
-    """Counts targets that were come near before they were replaced.
+    """Counts targets that were reached before they were replaced.
 
     Attributes:
         near: (N,) whether the present target has been reached.
@@ -135,7 +135,7 @@ def record_straight(
     """
 
     def hold_ahead(ids: NDArray[np.integer]) -> None:
-        # The observation in hand still shows the goal drawn at the restart, for this one step.
+        # The observation in hand still shows the goal sampled at the restart, for this one step.
         for world in ids:
             env.set_goal(float(env.worlds.root_heading[world]), speed, np.array([world]))
 
@@ -147,7 +147,7 @@ def record_straight(
 
 
 def _as_it_comes(ids: NDArray[np.integer]) -> None:
-    """Leave restarted worlds the goals they drew."""
+    """Leave restarted worlds the goals that were sampled for them."""
 
 
 def _run(

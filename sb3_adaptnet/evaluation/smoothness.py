@@ -11,6 +11,7 @@ from adapt_envs.motion.quality import foot_corners, slip_speeds
 from sb3_adaptnet.evaluation.recording import Recording
 
 _DIFFERENCES = 3
+"""Jerk is the third derivative of position."""
 
 
 def mean_jerk(positions: NDArray[np.floating]) -> float:

@@ -18,11 +18,11 @@ class Controls:
     Attributes:
         speed: preferred speed [m/s].
         heading: direction to go, world [rad].
-        random_goals: whether goals are drawn at random, as in training, instead.
+        random_goals: whether goals are sampled at random, as in training, instead.
         alpha: strength of the adaptation; None for a policy that has none.
         weights: weight of each adaptation by name; empty for a policy that has none.
-        restart: whether to start anew at the next step.
-        labels: what to call adaptations whose name says nothing.
+        restart: whether to start again at the next step.
+        labels: what to call adaptations whose name says nothing, by name.
     """
 
     speed: float = 1.2

@@ -8,9 +8,11 @@ TURN, FASTER, STRONGER, BLEND = math.radians(15), 0.1, 0.05, 0.1
 """What one press changes: heading [rad], speed [m/s], alpha, place among the styles."""
 RIGHT, LEFT, DOWN, UP, PAGE_UP, PAGE_DOWN = 262, 263, 264, 265, 266, 267
 ENTER, BACKSPACE, MINUS, EQUALS = 257, 259, 45, 61
+"""GLFW's codes of the keys."""
 HELP = (
     "keys: left/right turn, up/down speed, -/= alpha, page up/down blend, enter random goals or back, backspace restart"
 )
+"""What is printed when the window opens."""
 
 
 class Keyboard:

@@ -19,7 +19,7 @@ def base(tmp_path):
 
 def small(base, tmp_path, **more):
     words = {"--base": base, "-o": tmp_path / "mine.safetensors", "--run-dir": tmp_path / "run"}
-    words |= {"--samples": 128, "--n-envs": 8, "--threads": 1, **more}
+    words |= {"--samples": 128, "--n-envs": 8, "--threads": 1, "--seconds": 1, **more}
     return ["adapt", "--quiet", *(str(part) for pair in words.items() for part in pair)]
 
 
@@ -36,6 +36,9 @@ def test_a_bvh_becomes_a_controller_that_can_be_measured(base, tmp_path, capsys)
     words = ["--seconds", "1", "--threads", "1", "--json"]
     assert main(["eval", str(tmp_path / "mine.safetensors"), *words]) == 0
     here = json.loads(capsys.readouterr().out)
+    measured = card["evaluation"]
+    assert {**measured["figures"], "seconds": measured["seconds"], "seed": measured["seed"]} == here
+    assert measured["command"] == "adaptnet eval mine.safetensors --seed 0 --seconds 1.3333 --base tiny.safetensors"
     # The clip lies beside the weights: they can be given away, and the run deleted.
     shutil.rmtree(tmp_path / "run")
     there = tmp_path / "elsewhere"
@@ -54,6 +57,7 @@ def test_a_run_goes_on_where_it_stopped(base, tmp_path, capsys):
     assert main(small(base, tmp_path, **{"--motion": "Stoop"})) == 2
     assert "--resume" in capsys.readouterr().err
     again = ["adapt", "--resume", str(tmp_path / "run"), "--samples", "256", "-o", str(tmp_path / "more"), "--quiet"]
+    again += ["--seconds", "1"]
     assert main(again) == 0
     second = json.loads((tmp_path / "more.json").read_text())
     assert second["training"]["samples"] >= 256 and second["hash"] != first["hash"]

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 
 import numpy as np
 import pytest
@@ -31,7 +32,11 @@ def test_adapts_measures_draws_and_says_where(tmp_path, capsys):
     shown = files_on(output / "index.html")
     assert "curve.png" in shown and "sheet_0.png" in shown
     assert all((output / file).stat().st_size > 1000 for file in shown)
-    assert (output / "own.safetensors").is_file()
+    card = json.loads((output / "own.json").read_text())["evaluation"]
+    assert {**card["figures"], "seconds": card["seconds"], "seed": card["seed"]} == figures["own, 0 k samples"]
+    words = shlex.split(card["command"].replace("own.", f"{output / 'own'}.").replace("tiny.", f"{tmp_path / 'tiny'}."))
+    assert main([*words[1:], "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == figures["own, 0 k samples"]
 
 
 def test_without_a_walk_the_motions_are_shown(tmp_path, capsys, monkeypatch):

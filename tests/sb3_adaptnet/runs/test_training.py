@@ -17,6 +17,7 @@ from sb3_adaptnet import load_policy
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.runs.history import read_rows
 from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.saver import restore, snapshot
@@ -171,7 +172,13 @@ def test_export_writes_a_base_that_acts(tmp_path):
     folder = start(settings(tmp_path), tmp_path / "run", quiet=True)
     file = export(folder.path, tmp_path / "mine.safetensors")
     card = json.loads(file.with_suffix(".json").read_text())
-    assert card["training"]["samples"] == 640 and card["environment"] == TOY and "goal_reward" in card["metrics"]
+    training = card["training"]
+    assert training["samples"] == 640 and card["environment"] == TOY and "metrics" not in card
+    assert training["policy"] == "sb3_adaptnet.PretrainPolicy" and "terrain_seed" not in training
+    rows = read_rows(folder.progress)[-10:]
+    assert training["means_of_last_rollouts"]["rollouts"] == len(rows)
+    mean = sum(row["goal_reward"] for row in rows) / len(rows)
+    assert training["means_of_last_rollouts"]["goal_reward"] == pytest.approx(mean, abs=1e-4)
     env = AdaptVecEnv(TOY, num_envs=2)
     trained = build_learner(folder.settings).model.policy
     trained.load_state_dict(folder.load()["policy"])

@@ -1,0 +1,32 @@
+"""Adding to the card of a weight file that exists; its weights stay as they are."""
+
+from pathlib import Path
+from typing import Any
+
+from sb3_adaptnet.weights.weight_file import read_weights, write_weights
+
+FIXED = ("format", "hash", "kind", "observation_version", "architecture", "base", "method", "shape")
+"""Entries that say what the weights are: they belong to them."""
+
+
+def amend_card(file: Path, **entries: Any) -> dict[str, Any]:
+    """Write entries into a card: inside the weight file and in the `.json` beside it, each whole or not at all.
+
+    Args:
+        file: the weight file.
+        **entries: JSON values; None takes an entry away.
+
+    Returns:
+        The whole card.
+
+    Raises:
+        CheckpointError: if the file is missing, damaged or foreign.
+        ValueError: for an entry that belongs to the weights.
+    """
+    fixed = [name for name in entries if name in FIXED]
+    if fixed:
+        raise ValueError(f"the card's entry {fixed[0]!r} belongs to the weights of {str(file)!r} and cannot change")
+    tensors, card = read_weights(file)
+    amended = {name: value for name, value in (card | entries).items() if value is not None or name not in entries}
+    write_weights(file, tensors, amended)
+    return amended
