@@ -97,9 +97,8 @@ def _draw_row(policy: AdaptNetPolicy, env: AdaptVectorEnv, seed: int, caption: s
         observations, _ = env.reset(seed=seed)
         for step in range(moments[-1] + 1):
             if step in moments:
-                moment = f"{caption}, {step * CONTROL_DT:.1f} s" + (
-                    f", {end.reason}" if step == end.steps < _STEPS else ""
-                )
+                reason = f", {end.reason}" if step == end.steps < _STEPS else ""
+                moment = f"{caption}, {step * CONTROL_DT:.1f} s{reason}"
                 tiles.append(captioned(renderer.picture(world, camera), moment))
             actions, _ = policy.predict(observations, deterministic=True)
             observations, *_ = env.step(actions)
