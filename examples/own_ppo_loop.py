@@ -31,7 +31,8 @@ parser.add_argument("--samples", type=int, default=500_000, help="control steps 
 parser.add_argument("--num-envs", type=int, default=512, help="worlds")
 options = parser.parse_args()
 env, rng = make_vector(STOOP, options.num_envs, max_episode_steps=None), np.random.default_rng(0)
-policy = AdaptNetPolicy(env.single_observation_space, env.single_action_space, lambda _: 5e-5, base="walk")
+spaces = env.single_observation_space, env.single_action_space
+policy = AdaptNetPolicy(*spaces, lambda _: 5e-4, base="walk", actor_lr=5e-5)  # 5e-4 is the critic's
 policy.set_objectives(WEIGHTS)
 judge, last = ImitationObjective(), env.reset(seed=0)[0]
 for _ in range(-(-options.samples // (STEPS * env.num_envs))):
