@@ -75,12 +75,12 @@ def perlin(rng: np.random.Generator, size: int, wavelength: float) -> Heights:
 
 
 def uniform_noise(rng: np.random.Generator, size: int) -> Heights:
-    """Noise uniform in +-0.1 m, drawn every 0.4 m and interpolated linearly, so that a foot can stand on it."""
+    """Noise uniform in +-0.1 m, sampled every 0.4 m and interpolated linearly, so that a foot can stand on it."""
     nodes = int((size - 1) * GRID / _NOISE_GRID) + 2
-    drawn = rng.uniform(-_NOISE, _NOISE, (nodes, nodes))
+    offsets = rng.uniform(-_NOISE, _NOISE, (nodes, nodes))
     # Exact: OpenCV's weights are multiples of 1/32, and so are quarters of a cell.
     to_nodes = np.diag([GRID / _NOISE_GRID, GRID / _NOISE_GRID, 0])[:2]
-    return np.asarray(cv2.warpAffine(drawn, to_nodes, (size, size), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP))
+    return np.asarray(cv2.warpAffine(offsets, to_nodes, (size, size), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP))
 
 
 def rectangular_steps(rng: np.random.Generator, size: int) -> Heights:
@@ -95,7 +95,7 @@ def rectangular_steps(rng: np.random.Generator, size: int) -> Heights:
 
 
 def sloped_surfaces(rng: np.random.Generator, size: int) -> Heights:
-    """Planes of 2.5 m that join without steps, each with slopes drawn from -0.3 to 0.3 along x and along y."""
+    """Planes of 2.5 m that join without steps, each with slopes sampled from -0.3 to 0.3 along x and along y."""
     return _broken_line(rng, size) + _broken_line(rng, size)[:, None]
 
 

@@ -1,4 +1,7 @@
-"""Why an episode ends, as pure functions over arrays."""
+"""Why an episode ends, as pure functions over arrays.
+
+What counts as a fall is decided by contact sensors: `model/build.py` adds them, `PhysicsBatch.fallen` reads them.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
