@@ -1,6 +1,7 @@
 """Tiny policies on the real character and recordings made by hand; not a test itself."""
 
 from collections import Counter
+from dataclasses import fields
 
 import numpy as np
 import torch
@@ -9,6 +10,7 @@ from policy_cases import SIZES, disturb
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from sb3_adaptnet import AdaptNetPolicy, PretrainPolicy, save_adaptation, save_base
+from sb3_adaptnet.evaluation.figures import Figures
 from sb3_adaptnet.evaluation.recording import Recording, open_worlds
 
 STOOP = "AdaptNet/Humanoid-Stoop-v0"
@@ -46,3 +48,8 @@ def recording_of(*motions, restarts=()):
         ended[step, world] = True
     floor, rewards = np.zeros((steps + 1, worlds), np.float32), np.ones((steps, worlds))
     return Recording(qpos, links, floor, ended, rewards, Counter(fall=len(restarts)), 0, 0)
+
+
+def figures_with(**values):
+    """Figures that are None but for `values`."""
+    return Figures(**{field.name: None for field in fields(Figures)} | {"failed_tests": ()} | values)

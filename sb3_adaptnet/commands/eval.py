@@ -15,9 +15,11 @@ from sb3_adaptnet.evaluation.before_after import check_world, write_before_after
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
 from sb3_adaptnet.evaluation.pictures import write_strip
+from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
+from sb3_adaptnet.policies.loading import load_base_of, load_policy
 from sb3_adaptnet.weights.checkpoint import resolve
 
 VIDEO_SECONDS = 12.0
@@ -27,7 +29,8 @@ VIDEO_SECONDS = 12.0
 def add_parser(subparsers: Any) -> None:
     """Add the subcommand `eval`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
-        "eval", help="measure a policy: goal reward, falls, imitation error, sliding, jerk"
+        "eval",
+        help="measure a policy: goal reward, falls, imitation error, whether its style is visible, sliding, jerk",
     )
     add_options(parser)
     parser.add_argument("--seconds", type=seconds_of, default=DEFAULT_SECONDS, help="simulated seconds (default 1200)")
@@ -66,7 +69,8 @@ def run(options: argparse.Namespace) -> int:
     check_world(options.world, loaded.env)
     if options.push_scale is not None:
         loaded.env.push_scale = options.push_scale
-    found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, ProgressBar("walking"))
+    bar, base = ProgressBar("walking"), base_of(loaded, options.base)
+    found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, bar, base)
     if options.json:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
     else:
@@ -77,6 +81,13 @@ def run(options: argparse.Namespace) -> int:
     for path in () if options.json else drawn:
         print(f"wrote {path}")
     return 0
+
+
+def base_of(loaded: LoadedPolicy, base: str | None) -> Acting | None:
+    """What a style is compared with: `base`, or the base that the policy's card names; None for an adaptation's own."""
+    if isinstance(loaded.policy, AdaptNetPolicy):
+        return None
+    return load_base_of(loaded.name, loaded.env) if base is None else load_policy(base, loaded.env)
 
 
 def check_outputs(options: argparse.Namespace) -> None:

@@ -53,7 +53,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("policy", metavar="POLICY", help="name of a shipped base or adaptation, or a weight file")
     parser.add_argument("--env", metavar="ID", help="environment; default: the one it was trained in")
     parser.add_argument("--motion", metavar="NAME|FILE", help="reference clip, for environments that take motion=")
-    parser.add_argument("--base", metavar="NAME|FILE", help="base of the adaptation, where it is not found by itself")
+    parser.add_argument("--base", metavar="NAME|FILE", help="base of the policy, where it is not found by itself")
     parser.add_argument("--alpha", type=float, help="strength of the adaptation: 0 is the base, 1 the default")
     words = "adaptations of the same base to blend, as in walk-stoop,walk-penguin or walk-stoop=0.3,walk-penguin=0.7"
     parser.add_argument("--styles", type=styles_of, default={}, metavar="A,B", help=words)

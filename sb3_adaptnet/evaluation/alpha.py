@@ -1,16 +1,48 @@
 """One adaptation at several strengths: the interpolation of the paper's sec. 8.1, as clips to draw."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from adapt_envs import AdaptVectorEnv
 from adapt_envs.motion.clip import MotionClip
-from sb3_adaptnet.evaluation.figures import reference_speed
-from sb3_adaptnet.evaluation.recording import record_straight
+from adapt_envs.progress import Progress
+from sb3_adaptnet.evaluation.recording import Acting, Recording, record_straight, reference_speed
 from sb3_adaptnet.evaluation.rollout_clips import typical_clip
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 ALPHAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Strengths that are drawn beside each other."""
+
+
+@contextmanager
+def at_alpha(policy: AdaptNetPolicy, alpha: float) -> Iterator[None]:
+    """The policy at another strength for a while."""
+    before = policy.alpha
+    policy.alpha = alpha
+    try:
+        yield
+    finally:
+        policy.alpha = before
+
+
+def record_base(
+    policy: Acting, env: AdaptVectorEnv, seed: int, progress: Progress = iter, base: Acting | None = None
+) -> Recording | None:
+    """The base going straight ahead; None if there is none: neither a given one nor an adaptation's own.
+
+    Args:
+        policy: an adaptation whose own base is meant, unless it is merged.
+        env: worlds without a time limit.
+        seed: of the start states.
+        progress: wraps the step numbers.
+        base: another base.
+    """
+    if base is not None:
+        return record_straight(base, env, reference_speed(env), seed, progress=progress)
+    if not isinstance(policy, AdaptNetPolicy) or policy.merged:
+        return None
+    with at_alpha(policy, 0.0):
+        return record_straight(policy, env, reference_speed(env), seed, progress=progress)
 
 
 def alpha_clips(
@@ -25,11 +57,9 @@ def alpha_clips(
         seed: of the start states.
         seconds: simulated seconds of each world.
     """
-    before, reference = policy.alpha, env.worlds.reference.clips[0]
-    clips = {}
+    reference, clips = env.worlds.reference.clips[0], {}
     for alpha in alphas:
-        policy.alpha = alpha
-        recording = record_straight(policy, env, reference_speed(env), seed, seconds)
+        with at_alpha(policy, alpha):
+            recording = record_straight(policy, env, reference_speed(env), seed, seconds)
         clips[f"alpha = {alpha:g}"] = typical_clip(recording, reference, f"alpha {alpha:g}")
-    policy.alpha = before
     return clips

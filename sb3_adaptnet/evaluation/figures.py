@@ -1,7 +1,6 @@
 """The figures of one policy in one environment: what `adaptnet eval` prints."""
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,16 +8,17 @@ from adapt_envs import AdaptVectorEnv
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.progress import Progress
 from sb3_adaptnet.evaluation.imitation_error import imitation_error
-from sb3_adaptnet.evaluation.recording import Acting, Recording, record, record_straight
+from sb3_adaptnet.evaluation.recording import Acting, Recording, record, record_straight, reference_speed
 from sb3_adaptnet.evaluation.smoothness import jerk_ratio, slips
+from sb3_adaptnet.evaluation.style import StyleFigures, rounded, style_figures, tempo_error_of_base
 
 DEFAULT_SECONDS = 1200.0
 """Simulated seconds of an evaluation, all worlds together."""
 
 
 @dataclass(frozen=True)
-class Figures:
-    """Measures of a policy's mean action; the fields are those of `adaptnet eval --json`.
+class Figures(StyleFigures):
+    """Measures of a policy's mean action; the fields, with `StyleFigures`', are those of `adaptnet eval --json`.
 
     Attributes:
         goal_reward: mean goal reward of a step, in (0, 1]; random goals.
@@ -46,10 +46,6 @@ class Figures:
     seconds: float
     seed: int
 
-    def as_dict(self) -> dict[str, Any]:
-        """The fields as plain values."""
-        return asdict(self)
-
 
 @dataclass(frozen=True)
 class Evaluation:
@@ -66,15 +62,10 @@ class Evaluation:
     straight: Recording
 
 
-def reference_speed(env: AdaptVectorEnv) -> float:
-    """The clip's mean speed [m/s], kept within the speeds the environment asks for (which only a base's may leave)."""
-    low, high = env.worlds.spec.speed_range or (0.0, np.inf)
-    return float(np.clip(env.worlds.reference.clips[0].mean_speed, low, high))
-
-
 def evaluate(
-    policy: Acting, env: AdaptVectorEnv, seconds: float = DEFAULT_SECONDS, seed: int = 0, progress: Progress = iter
-) -> Evaluation:
+    policy: Acting, env: AdaptVectorEnv, seconds: float = DEFAULT_SECONDS, seed: int = 0, progress: Progress = iter,
+    base: Acting | None = None,
+) -> Evaluation:  # fmt: skip
     """Measure a policy's mean action.
 
     Args:
@@ -82,7 +73,8 @@ def evaluate(
         env: worlds without a time limit (`open_worlds`); fallen or lost ones restart and count.
         seconds: simulated seconds with random goals, all worlds together.
         seed: of start states and goals.
-        progress: wraps the step numbers of each of the two rollouts.
+        progress: wraps the step numbers of each rollout.
+        base: what a style's visibility is compared with; None takes an adaptation's own base.
 
     Raises:
         ValueError: if `seconds` is less than one step of all worlds.
@@ -92,29 +84,28 @@ def evaluate(
         raise ValueError(f"seconds is {seconds}, but one step of {env.num_envs} worlds takes {env.num_envs / 30:.2f}")
     free = record(policy, env, steps, seed, progress)
     straight = record_straight(policy, env, reference_speed(env), seed, progress=progress)
-    return Evaluation(figures_of(env, free, straight, seed), free, straight)
+    base_error = tempo_error_of_base(policy, env, seed, progress, base)
+    return Evaluation(figures_of(env, free, straight, base_error, seed), free, straight)
 
 
-def figures_of(env: AdaptVectorEnv, free: Recording, straight: Recording, seed: int) -> Figures:
-    """Figures of two recordings of the worlds `env`."""
+def figures_of(
+    env: AdaptVectorEnv, free: Recording, straight: Recording, base_error: float | None, seed: int
+) -> Figures:
+    """Figures of two recordings of the worlds `env`; for `base_error` see `style_figures`."""
     clip = env.worlds.reference.clips[0]
     error = imitation_error(straight, clip)
     sliding = slips(free, env)
     median, high = np.percentile(sliding, [50, 90]) if len(sliding) else (None, None)
     return Figures(
-        goal_reward=_rounded(free.rewards.mean()),
-        falls_per_minute=_rounded(60 * free.restarts.sum() / free.seconds),
-        targets_reached=_rounded(free.reached / free.targets) if free.targets else None,
-        imitation_error_m=_rounded(error.mean),
-        imitation_error_std_m=_rounded(error.std),
-        slip_median_cm_s=_rounded(median),
-        slip_p90_cm_s=_rounded(high),
-        jerk_ratio=_rounded(jerk_ratio(free, clip)),
-        seconds=_rounded(free.seconds),
+        **vars(style_figures(env, straight, base_error)),
+        goal_reward=rounded(free.rewards.mean()),
+        falls_per_minute=rounded(60 * free.restarts.sum() / free.seconds),
+        targets_reached=rounded(free.reached / free.targets) if free.targets else None,
+        imitation_error_m=rounded(error.mean),
+        imitation_error_std_m=rounded(error.std),
+        slip_median_cm_s=rounded(median),
+        slip_p90_cm_s=rounded(high),
+        jerk_ratio=rounded(jerk_ratio(free, clip)),
+        seconds=rounded(free.seconds),
         seed=seed,
     )
-
-
-def _rounded(value: Any) -> Any:
-    """A float of four decimals, which is more than the measures are good for; None stays None."""
-    return None if value is None else round(float(value), 4)

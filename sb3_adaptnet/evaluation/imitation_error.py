@@ -1,11 +1,14 @@
-"""How far a policy's motion is from the reference: the paper's imitation error (sec. 9.3), in the root's frame.
+"""How far a policy's motion is from the reference, in the root's frame and in the world's (paper, sec. 9.3).
 
-The paper measures links in world space; there the figure mixes style with drift along the path. Here both motions are
-expressed in their own heading frame (origin on the ground below the root, x along the heading, heights kept), so the
-figures are not to be compared to the paper's digit by digit.
+Root's frame: origin on the ground below the root, x along the heading, heights kept. World: where the paper measures;
+there the error mixes style with drift along the path, and the paper does not say how it aligns the two paths. Here the
+clip is moved and turned on the ground every two seconds, to where it fits best: a wrong speed, direction or sway counts
+as far as it goes in that time, and drift over a whole rollout does not.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +17,27 @@ from adapt_envs.features.heading_frame import heading_frame_features
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import CONTROL_DT
-from adapt_envs.motion.clip import MotionClip
-from sb3_adaptnet.evaluation.recording import Recording
+from adapt_envs.motion.clip import FPS, MotionClip
+from sb3_adaptnet.evaluation.recording import Recording, Segment
 from sb3_adaptnet.evaluation.warping import match
 
 SETTLING_SECONDS = 2.0
 """What is dropped after every start [s]: the policy is still near the reference state it was put into."""
-_SHORTEST = 30
+_SHORTEST = FPS
 """Frames that a stretch must have to be matched: a second."""
+_ALIGNED = 2 * FPS
+"""Frames that are aligned in the world at once: two seconds."""
+
+
+class Tempo(NamedTuple):
+    """Bounds of the tempo at which time warping may run the reference; 1 is its own."""
+
+    slowest: float
+    fastest: float
+
+
+FREE, BOUNDED = Tempo(0.5, 2.0), Tempo(0.85, 1.15)
+"""Half to double tempo; and within 15 %, so that a style at another tempo is not taken for the style."""
 
 
 @dataclass(frozen=True)
@@ -92,36 +108,90 @@ def frame_errors(motion: NDArray[np.float32], reference: NDArray[np.float32]) ->
     return errors
 
 
-def matched_errors(motion: NDArray[np.float32], reference: Reference) -> NDArray[np.float32]:
-    """Errors (T,) [m] of a motion's frames (T, 15, 3) against the frames of the reference that time warping matches.
+class Match(NamedTuple):
+    """W frames `start` to `stop - 1` of a world, and what time warping matches them to.
 
-    A reference that does not repeat and is shorter than the motion is matched anew in windows of its own length.
+    Attributes:
+        segment: the frames of the recording.
+        frames: (W,) frames of the clip; those of one that repeats go on beyond its period.
+        errors: (W,) errors [m] between them.
     """
-    window = reference.window(len(motion))
-    frames = reference.looped(window)
-    parts = []
-    for start in range(0, len(motion), window):
-        cost = frame_errors(motion[start : start + window], frames)
-        parts.append(cost[np.arange(len(cost)), match(cost)])
-    return np.concatenate(parts)
+
+    segment: Segment
+    frames: NDArray[np.int64]
+    errors: NDArray[np.float32]
 
 
-def imitation_error(recording: Recording, clip: MotionClip) -> ImitationError:
+def settled(recording: Recording) -> Iterator[Segment]:
+    """The stretches between restarts without their first 2 s, where a second or more is left."""
+    settling = round(SETTLING_SECONDS / CONTROL_DT)
+    for world, start, stop in recording.segments():
+        if stop - start - settling >= _SHORTEST:
+            yield Segment(world, start + settling, stop)
+
+
+def matches(recording: Recording, clip: MotionClip, tempo: Tempo = FREE) -> list[Match]:
+    """The frames of all settled stretches against those of the clip that time warping matches.
+
+    Stretches longer than a clip that does not repeat are matched in windows of its length. Of the bases' clips of
+    minutes, which hold many speeds and turns, the stretch that is most alike counts.
+    """
+    reference, found = Reference.of(clip), []
+    for world, start, end in settled(recording):
+        window = reference.window(end - start)
+        frames = reference.looped(window)
+        for first in range(start, end, window):
+            rows = slice(first, min(first + window, end))
+            cost = frame_errors(local_positions(recording.links[rows, world], recording.floor[rows, world]), frames)
+            matched = match(cost, *tempo)
+            errors = cost[np.arange(len(cost)), matched]
+            found.append(Match(Segment(world, rows.start, rows.stop), matched, errors))
+    return found
+
+
+def imitation_error(recording: Recording, clip: MotionClip, tempo: Tempo = FREE) -> ImitationError:
     """The error of worlds that go straight ahead, without the first 2 s after every start.
 
     Args:
         recording: of `record_straight` at the clip's speed.
-        clip: the reference. Of the bases' clips of minutes, which hold many speeds and turns, the stretch that is most
-            alike counts.
+        clip: the reference.
+        tempo: bounds of the time warping.
     """
-    settling, reference = round(SETTLING_SECONDS / CONTROL_DT), Reference.of(clip)
-    errors = []
-    for world, start, stop in recording.segments():
-        rows = slice(start + settling, stop)
-        if stop - rows.start >= _SHORTEST:
-            local = local_positions(recording.links[rows, world], recording.floor[rows, world])
-            errors.append(matched_errors(local, reference))
-    if not errors:
+    return mean_error(matches(recording, clip, tempo))
+
+
+def mean_error(found: Sequence[Match]) -> ImitationError:
+    """The error over all matched frames."""
+    if not found:
         return ImitationError(None, None, 0)
-    values = np.concatenate(errors).astype(np.float64)
+    values = np.concatenate([part.errors for part in found]).astype(np.float64)
     return ImitationError(float(values.mean()), float(values.std()), len(values))
+
+
+def world_error(recording: Recording, clip: MotionClip, found: Sequence[Match]) -> float | None:
+    """Mean distance [m] of the links from the clip's in world space; None if there are no matches.
+
+    Args:
+        recording: of `record_straight` at the clip's speed.
+        clip: the reference.
+        found: the recording's frames matched to the clip's (`matches`).
+    """
+    kinematics, up, errors = Kinematics(compile_model()), np.array([0, 0, 1], np.float32), []
+    for (world, start, stop), frames, _ in found:
+        here = recording.links[start:stop, world, :, :3] - recording.floor[start:stop, world, None, None] * up
+        there = kinematics.link_states(clip.at(frames))[..., :3]
+        errors += [
+            aligned_errors(here[i : i + _ALIGNED], there[i : i + _ALIGNED]) for i in range(0, len(here), _ALIGNED)
+        ]
+    return float(np.concatenate(errors).mean()) if errors else None
+
+
+def aligned_errors(here: NDArray[np.float32], there: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Mean distances (T,) [m] of links (T, L, 3) from others, which are first aligned with them as well as they can be.
+
+    The others are moved and turned on the ground, by the one shift and turn about z with the least sum of squares.
+    """
+    a, b = (points[..., 0] + 1j * points[..., 1] for points in (here, there))
+    a, b = a - a.mean(), b - b.mean()
+    turn = np.exp(1j * np.angle((a * b.conj()).sum()))
+    return np.hypot(np.abs(a - turn * b), here[..., 2] - there[..., 2]).mean(axis=1)

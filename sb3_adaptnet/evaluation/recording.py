@@ -104,6 +104,12 @@ def open_worlds(environment: str, num_worlds: int = WORLDS, **overrides: Any) ->
     return make_vector(environment, num_worlds, max_episode_steps=None, **overrides)
 
 
+def reference_speed(env: AdaptVectorEnv) -> float:
+    """The clip's mean speed [m/s], kept within the speeds the environment asks for (which only a base's may leave)."""
+    low, high = env.worlds.spec.speed_range or (0.0, np.inf)
+    return float(np.clip(env.worlds.reference.clips[0].mean_speed, low, high))
+
+
 def record(policy: Acting, env: AdaptVectorEnv, steps: int, seed: int, progress: Progress = iter) -> Recording:
     """Run the policy's mean action from random start states towards random goals.
 

@@ -3,6 +3,7 @@
 import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from adapt_envs.drawing.palette import INK, PAPER, RULE, RULE_STRONG, SHADE, css
 from sb3_adaptnet.evaluation.figures import Figures
@@ -13,6 +14,16 @@ ROWS = (
     ("targets reached", "targets_reached", "{:.0%}"),
     ("imitation error [m]", "imitation_error_m", "{:.3f}"),
     ("... its standard deviation [m]", "imitation_error_std_m", "{:.3f}"),
+    ("... at about the clip's tempo [m]", "tempo_error_m", "{:.3f}"),
+    ("... of the base [m]", "base_tempo_error_m", "{:.3f}"),
+    ("... in world space [m]", "world_error_m", "{:.3f}"),
+    ("cadence [Hz]", "cadence_hz", "{:.2f}"),
+    ("... of the clip [Hz]", "clip_cadence_hz", "{:.2f}"),
+    ("foot height [m]", "foot_height_m", "{:.2f}"),
+    ("... of the clip [m]", "clip_foot_height_m", "{:.2f}"),
+    ("flight share", "flight_share", "{:.0%}"),
+    ("... of the clip", "clip_flight_share", "{:.0%}"),
+    ("style visible", "visible", ""),
     ("foot slip, median [cm/s]", "slip_median_cm_s", "{:.1f}"),
     ("foot slip, 90th percentile [cm/s]", "slip_p90_cm_s", "{:.1f}"),
     ("jerk over the clip's", "jerk_ratio", "{:.2f}"),
@@ -34,19 +45,27 @@ pre {{ background: {css(SHADE)}; border-radius: 4px; padding: .8rem 1rem; overfl
 def cells(figures: Mapping[str, Figures]) -> list[list[str]]:
     """The table's body: one row per figure, its words first, then one text per column; "-" where there is none."""
     values = [figure.as_dict() for figure in figures.values()]
-    return [
-        [words, *("-" if column[name] is None else text.format(column[name]) for column in values)]
-        for words, name, text in ROWS
-    ]
+    return [[words, *(_text(column[name], text) for column in values)] for words, name, text in ROWS]
+
+
+def _text(value: Any, text: str) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "-" if value is None else text.format(value)
 
 
 def text_table(figures: Mapping[str, Figures]) -> str:
-    """Figures by column as lines of text."""
+    """Figures by column as lines of text, and below them why styles are not visible."""
     rows = [["", *figures], *cells(figures)]
     first = max(len(row[0]) for row in rows)
     widths = [max(len(row[i]) for row in rows) + 2 for i in range(1, len(rows[0]))]
     lines = (row[0].ljust(first) + "".join(c.rjust(w) for c, w in zip(row[1:], widths, strict=True)) for row in rows)
-    return "\n".join(line.rstrip() for line in lines)
+    return "\n".join([*(line.rstrip() for line in lines), *complaints(figures)])
+
+
+def complaints(figures: Mapping[str, Figures]) -> list[str]:
+    """Why styles are not visible, a line each."""
+    return [f"{name} is not visible: {test}" for name, found in figures.items() for test in found.failed_tests]
 
 
 def table(figures: Mapping[str, Figures]) -> str:

@@ -21,8 +21,7 @@ STATISTICS = (
     "gradient_norm",
     "score_reference",
     "score_simulated",
-    "accuracy_reference",
-    "accuracy_simulated",
+    "score_difference",
     "update_norm",
 )
 """What an update reports, in the order of `ImitationObjective._step`."""
@@ -86,7 +85,7 @@ class ImitationObjective:
             rng: orders and pairs the rows.
 
         Returns:
-            Means over the pass: loss, gradient norm, scores and accuracy of each kind.
+            Means over the pass: loss, gradient norm, scores of each kind and their difference.
         """
         simulated, reference = simulated[finite_rows(simulated)], reference[finite_rows(reference)]
         pairs = int(min(len(simulated), len(reference)) * self.share)
@@ -113,8 +112,8 @@ class ImitationObjective:
         total = torch.nn.utils.clip_grad_norm_(self.discriminator.parameters(), self.max_grad_norm)
         if torch.isfinite(total):  # a batch that overflows is skipped: weights never become NaN
             self.optimizer.step()
-        accuracy = [(real_scores > 0).float().mean(), (fake_scores < 0).float().mean()]
-        row = [loss, norms.mean(), real_scores.mean(), fake_scores.mean(), *accuracy, total]
+        real_score, fake_score = real_scores.mean(), fake_scores.mean()
+        row = [loss, norms.mean(), real_score, fake_score, real_score - fake_score, total]
         return torch.stack([x.detach() for x in row])
 
     @torch.no_grad()

@@ -12,7 +12,7 @@ from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.pretrain import PretrainPolicy
 from sb3_adaptnet.weights.checkpoint import BASE, AdaptationFile, read_adaptation, read_base, read_kind, resolve
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
-from sb3_adaptnet.weights.weight_file import CheckpointError
+from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights
 
 _ADAPTING = {"adaptnet": AdaptNetPolicy, "progressive": ProgressivePolicy}
 """What a card calls its "method" -> the policy that acts with it."""
@@ -50,6 +50,23 @@ def load_policy(
     return policy
 
 
+def load_base_of(name_or_file: str | Path, env: Any, device: str | torch.device = "cpu") -> ObjectivePolicy | None:
+    """Open the base that a policy began from, for acting; None if its card names none, or one that is not there.
+
+    Args:
+        name_or_file: name of a shipped base or adaptation, or a path: also a finetuned base began from another.
+        env: see `load_policy`, as the next one.
+        device: "cpu", "cuda", ...
+
+    Raises:
+        CheckpointError: if a file is missing, damaged or foreign.
+        ValueError: if the environment does not fit the network.
+    """
+    file = resolve(name_or_file)
+    base = _base_named(file, read_weights(file)[1])
+    return None if base is None else load_policy(base, env, device)
+
+
 def _spaces(env: Any) -> tuple[spaces.Space, spaces.Space]:
     """Spaces of one environment, also from a gymnasium VectorEnv."""
     observations = getattr(env, "single_observation_space", None) or env.observation_space
@@ -76,16 +93,26 @@ def _adapted_policy(
 
 
 def _find_base(read: AdaptationFile) -> Path | str:
-    name = str((read.card.get("base") or {}).get("name"))
-    beside = read.file.with_name(f"{name}{WEIGHT_SUFFIX}")
+    found = _base_named(read.file, read.card)
+    if found is None:
+        raise CheckpointError(
+            f"{str(read.file)!r} adapts base {_base_name(read.card)!r}, which is neither beside it nor among "
+            f"{pretrained_names()}; say where it is with base=..."
+        )
+    return found
+
+
+def _base_named(file: Path, card: dict[str, Any]) -> Path | str | None:
+    """The base that a file's card names, beside the file or among the shipped ones; None if it is in neither place."""
+    name = _base_name(card)
+    beside = file.with_name(f"{name}{WEIGHT_SUFFIX}")
     if beside.is_file():
         return beside
-    if name not in pretrained_names():
-        raise CheckpointError(
-            f"{str(read.file)!r} adapts base {name!r}, which is neither beside it nor among {pretrained_names()}; "
-            f"say where it is with base=..."
-        )
-    return name
+    return name if name in pretrained_names() else None
+
+
+def _base_name(card: dict[str, Any]) -> str:
+    return str((card.get("base") or {}).get("name"))
 
 
 def _no_learning(_: float) -> float:

@@ -15,7 +15,13 @@ from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.weights.atomic_file import write_atomically
 
 FALLS, LENGTH = "falls_per_minute", "episode_length"
-LABELS = {FALLS: "falls per minute", LENGTH: "episode length [steps]"}
+SCORES, TEMPO_ERROR = "discriminator_score_difference", "tempo_error_m"
+LABELS = {
+    FALLS: "falls per minute",
+    LENGTH: "episode length [steps]",
+    SCORES: "discriminators' scores, clip - policy",
+    TEMPO_ERROR: "tempo error of the mean action [m]",
+}
 WINDOW = 15
 """Number of rollouts that the strong line averages."""
 
@@ -43,7 +49,8 @@ def draw_curves(histories: Mapping[str, Sequence[Row]], path: Path, title: str =
         for (name, rows), colour in zip(histories.items(), cycle(map(css, SERIES)), strict=False):
             points = np.array([(row["samples"] / 1e6, row[column]) for row in rows if column in row]).reshape(-1, 2)
             axes.plot(*points.T, linewidth=0.6, alpha=0.35, color=colour)
-            axes.plot(points[:, 0], moving_mean(points[:, 1]), linewidth=1.4, color=colour, label=name)
+            mean, marker = (points[:, 1], "o") if column == TEMPO_ERROR else (moving_mean(points[:, 1]), None)
+            axes.plot(points[:, 0], mean, linewidth=1.4, marker=marker, color=colour, label=name)
         axes.set_xlabel("samples [million]")
         axes.set_ylabel(LABELS.get(column, column.replace("_", " ")))
         axes.grid(alpha=0.3)
@@ -56,9 +63,14 @@ def draw_curves(histories: Mapping[str, Sequence[Row]], path: Path, title: str =
 
 
 def panels(histories: Mapping[str, Sequence[Row]]) -> list[str]:
-    """Columns that are drawn: every objective's reward, then falls and length."""
+    """Columns that are drawn: every objective's reward, falls and length; scores and tempo error where measured."""
     found = dict.fromkeys(column for rows in histories.values() for row in rows for column in row)
-    return [*(column for column in found if column.endswith("_reward")), FALLS, LENGTH]
+    return [
+        *(column for column in found if column.endswith("_reward")),
+        FALLS,
+        LENGTH,
+        *(c for c in (SCORES, TEMPO_ERROR) if c in found),
+    ]
 
 
 def moving_mean(values: NDArray[np.floating], window: int = WINDOW) -> NDArray[np.floating]:

@@ -72,7 +72,7 @@ def hyperparameters(env_id: str, base: str | None = None, conf_file: str | Path 
 
 
 def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
-    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: the discriminators first, then any ramps.
+    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: discriminators, then ramps and `StyleCallback`.
 
     Args:
         env_id: such as "AdaptNet/Humanoid-Stoop-v0".

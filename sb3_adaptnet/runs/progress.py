@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Sequence
-from typing import cast
+from typing import Protocol, cast, runtime_checkable
 
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
@@ -21,8 +21,7 @@ METRICS = (
     "episode_length",
     "kl",
     "actor_lr",
-    "discriminator_accuracy_reference",
-    "discriminator_accuracy_simulated",
+    "discriminator_score_difference",
 )
 SHOWN = (
     ("goal", "goal_reward", "{:.3f}"),
@@ -30,6 +29,19 @@ SHOWN = (
     ("falls/min", "falls_per_minute", "{:.2f}"),
     ("length", "episode_length", "{:.0f}"),
 )
+
+
+@runtime_checkable
+class Measuring(Protocol):
+    """A callback that measures something after some rollouts.
+
+    Attributes:
+        columns: names of what it measures.
+        metrics: what it measured after the last rollout.
+    """
+
+    columns: tuple[str, ...]
+    metrics: dict[str, float]
 
 
 class RunProgress(BaseCallback):
@@ -40,6 +52,7 @@ class RunProgress(BaseCallback):
         folder: RunFolder,
         discriminators: DiscriminatorRewardCallback,
         ramps: Sequence[AttributeRamp] = (),
+        measuring: Sequence[Measuring] = (),
         seconds: float = 0.0,
         quiet: bool = False,
         line_seconds: float = 60.0,
@@ -50,6 +63,7 @@ class RunProgress(BaseCallback):
             folder: the run's.
             discriminators: where the numbers come from.
             ramps: attributes of the worlds that change meanwhile; each gets a column.
+            measuring: further callbacks with columns; they stand before this one.
             seconds: training time that went before (of a resumed run).
             quiet: neither bar nor lines.
             line_seconds: time between two lines where there is no terminal.
@@ -57,9 +71,10 @@ class RunProgress(BaseCallback):
         super().__init__()
         self.folder, self.discriminators = folder, discriminators
         self.seconds, self.quiet, self.line_seconds = seconds, quiet, line_seconds
-        self.ramps, self.rows = ramps, list[Row]()
+        self.ramps, self.measuring, self.rows = ramps, measuring, list[Row]()
         rewards = [reward_column(name) for name in discriminators.objectives]
-        self.columns = (*TIMES, *rewards, *METRICS, *(ramp.attribute for ramp in ramps))
+        measured = [column for callback in measuring for column in callback.columns]
+        self.columns = (*TIMES, *rewards, *METRICS, *(ramp.attribute for ramp in ramps), *measured)
 
     def _init_callback(self) -> None:
         self._clock = time.monotonic()
@@ -87,6 +102,8 @@ class RunProgress(BaseCallback):
         row["samples_per_second"] = round(batch / max(spent, 1e-9), 1)
         row.update({name: metrics[name] for name in self.columns if name in metrics})
         row.update({ramp.attribute: ramp.value(self.num_timesteps - batch) for ramp in self.ramps})
+        for callback in self.measuring:
+            row.update(callback.metrics)
         self.logger.record("time/samples_per_second", row["samples_per_second"])
         self.rows.append(row)
         append_row(self.folder.progress, self.columns, row)

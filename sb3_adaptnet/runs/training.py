@@ -17,7 +17,7 @@ from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.experiment import Experiment, experiment
-from sb3_adaptnet.runs.progress import RunProgress
+from sb3_adaptnet.runs.progress import Measuring, RunProgress
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.saver import RunSaver
 from sb3_adaptnet.runs.worlds import make_worlds
@@ -113,7 +113,8 @@ def learn(
     model, discriminators = learner.model, learner.discriminators
     saver = RunSaver(folder, discriminators, minutes, state)
     ramps = [callback for callback in learner.others if isinstance(callback, AttributeRamp)]
-    progress = RunProgress(folder, discriminators, ramps, saver.seconds, quiet)
+    measuring = [callback for callback in learner.others if isinstance(callback, Measuring)]
+    progress = RunProgress(folder, discriminators, ramps, measuring, saver.seconds, quiet)
     done = int(state["samples"]) if state else 0
     model.num_timesteps = done
     model.set_logger(configure(str(folder.path), ["tensorboard"]))

@@ -41,7 +41,10 @@ def test_a_column_that_no_longer_belongs_is_dropped(tmp_path):
 
 
 def test_every_objective_has_a_panel():
-    assert panels({"a": rows(2)}) == ["goal_reward", "footing_reward", "falls_per_minute", "episode_length"]
+    usual = ["goal_reward", "footing_reward", "falls_per_minute", "episode_length"]
+    assert panels({"a": rows(2)}) == usual
+    measured = [{**rows(1)[0], "tempo_error_m": 0.1, "discriminator_score_difference": 0.5}]
+    assert panels({"a": rows(2), "b": measured}) == [*usual, "discriminator_score_difference", "tempo_error_m"]
 
 
 def test_the_moving_mean_is_a_mean_of_neighbours():

@@ -5,17 +5,18 @@ import json
 
 import cv2
 import pytest
-from evaluation_cases import STOOP, save_tiny_adaptation, save_tiny_base
+from evaluation_cases import STOOP, figures_with, save_tiny_adaptation, save_tiny_base
 
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.commands.policy_options import add_options, open_from_options, open_policy, shared_out, styles_of
-from sb3_adaptnet.evaluation.figures import Figures
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import paragraph, table, text_table, write_page
 
 FIELDS = {
     "goal_reward", "falls_per_minute", "targets_reached", "imitation_error_m", "imitation_error_std_m",
     "slip_median_cm_s", "slip_p90_cm_s", "jerk_ratio", "seconds", "seed",
+    "visible", "failed_tests", "cadence_hz", "clip_cadence_hz", "foot_height_m", "clip_foot_height_m",
+    "flight_share", "clip_flight_share", "tempo_error_m", "base_tempo_error_m", "world_error_m",
 }  # fmt: skip
 
 
@@ -52,7 +53,17 @@ def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys):
     assert main(["eval", str(tiny[1]), *words, "--alpha", "0"]) == 0
     without = json.loads(capsys.readouterr().out)
     assert main(["eval", str(tiny[0]), *words]) == 0
-    assert json.loads(capsys.readouterr().out) == without != adapted
+    base = json.loads(capsys.readouterr().out)
+    assert base["base_tempo_error_m"] is None
+    assert base | {"base_tempo_error_m": base["tempo_error_m"]} == without != adapted
+    assert adapted["base_tempo_error_m"] == base["tempo_error_m"] and adapted["clip_cadence_hz"] == 1.0714
+
+
+def test_a_base_is_compared_with_the_one_that_is_named(tiny, capsys):
+    words = ["eval", str(tiny[0]), "--seconds", "1", "--threads", "1", "--json", "--base", str(tiny[0])]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["base_tempo_error_m"] == found["tempo_error_m"] and found["visible"] is False
 
 
 def test_a_picture_of_an_adaptation_and_its_base(tiny):
@@ -121,9 +132,15 @@ def test_words_of_a_blend():
 
 
 def test_tables_and_page(tmp_path):
-    figures = {"base <1>": Figures(0.81234, 0.1, None, None, None, 3.21, 9.0, 1.5, 1200.0, 0)}
+    complaints = ("cadence none", "tempo error 0.1 m")
+    figures = {"base <1>": figures_with(goal_reward=0.81234, visible=False, failed_tests=complaints)}
     text = text_table(figures)
     assert "0.812" in text and text.splitlines()[3].split()[-1] == "-"
+    assert text.splitlines()[15].split() == ["style", "visible", "no"]
+    assert text.splitlines()[-2:] == [
+        "base <1> is not visible: cadence none",
+        "base <1> is not visible: tempo error 0.1 m",
+    ]
     assert "base &lt;1&gt;" in table(figures) and "<td>0.812</td>" in table(figures)
     write_page(tmp_path / "page.html", "T & S", [("", [paragraph("a < b")]), ("Figures", [table(figures)])])
     page = (tmp_path / "page.html").read_text()

@@ -4,14 +4,15 @@ import json
 import shutil
 
 import pytest
+from evaluation_cases import figures_with
 
-from sb3_adaptnet.evaluation import Figures, evaluation_block, write_evaluation
+from sb3_adaptnet.evaluation import evaluation_block, write_evaluation
 from sb3_adaptnet.evaluation.card import eval_command
 from sb3_adaptnet.weights.card import amend_card
 from sb3_adaptnet.weights.shipped import pretrained_path
 from sb3_adaptnet.weights.weight_file import read_weights
 
-FIGURES = Figures(0.8, 0.1, None, 0.2, 0.1, 3.2, 9.0, 1.5, 300.0, 4)
+FIGURES = figures_with(goal_reward=0.8, failed_tests=("cadence none",), seconds=300.0, seed=4)
 
 
 def test_the_block_holds_every_figure_once():

@@ -17,7 +17,7 @@ from sb3_adaptnet.evaluation.imitation_error import (
     frame_errors,
     imitation_error,
     local_positions,
-    matched_errors,
+    matches,
 )
 from sb3_adaptnet.evaluation.recording import _Targets, open_worlds, record, record_straight
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
@@ -90,15 +90,17 @@ def test_without_a_stretch_of_three_seconds_there_is_no_error(stoop):
 
 def test_a_short_clip_that_does_not_repeat_is_matched_in_pieces(stoop):
     single = replace(stoop, cyclic=False)
-    reference = Reference.of(single)
-    errors = matched_errors(np.tile(reference.positions, (3, 1, 1)), reference)
-    assert errors.shape == (3 * len(single.qpos),) and errors == pytest.approx(0, abs=1e-6)
+    motion = np.concatenate([np.tile(single.qpos, (3, 1))[:60], np.tile(single.qpos, (3, 1))])
+    found = matches(recording_of(motion), single)
+    assert [part.segment for part in found] == [(0, 60, 89), (0, 89, 118), (0, 118, 147)]
+    assert all(part.errors == pytest.approx(0, abs=1e-6) for part in found)
 
 
 def test_of_a_long_clip_the_stretch_most_alike_counts():
     walk = load_clip("walk")
-    reference = Reference.of(replace(walk, qpos=walk.qpos[:1500]))
-    assert matched_errors(reference.positions[700:900], reference) == pytest.approx(0, abs=1e-6)
+    piece = replace(walk, qpos=walk.qpos[:1500])
+    found = matches(recording_of(walk.qpos[700:900]), piece)
+    assert found[0].frames.tolist() == list(range(760, 900)) and found[0].errors == pytest.approx(0, abs=1e-6)
 
 
 # ---- sliding and jerk --------------------------------------------------------------------------------------------

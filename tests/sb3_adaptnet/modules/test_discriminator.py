@@ -89,7 +89,9 @@ def test_learns_to_tell_apart_and_rewards_the_reference(precision):
     rng = np.random.default_rng(0)
     for turn in range(12):
         statistics = objective.update(windows(256, turn, 1.0), windows(256, 100 + turn, -1.0), rng)
-    assert statistics["accuracy_reference"] > 0.9 and statistics["accuracy_simulated"] > 0.9
+    assert statistics["score_difference"] > 1.0
+    between = statistics["score_reference"] - statistics["score_simulated"]
+    assert statistics["score_difference"] == pytest.approx(between, abs=1e-5)
     reference, simulated = objective.rewards(windows(64, 7, -1.0)), objective.rewards(windows(64, 8, 1.0))
     assert reference.mean() > simulated.mean() + 0.5
     assert np.abs(reference).max() <= 1.0

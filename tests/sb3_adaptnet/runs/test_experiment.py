@@ -28,7 +28,7 @@ def test_every_environment_has_an_entry(file, name):
 
 def test_an_id_may_name_its_module():
     plain, named = (experiment(name) for name in (env_id("PushWalk"), f"adapt_envs:{env_id('PushWalk')}"))
-    assert named.callbacks == plain.callbacks and len(named.callbacks) == 2
+    assert named.callbacks == plain.callbacks and len(named.callbacks) == 3
     assert experiment(f"adapt_envs:{env_id('Walk')}").policy is PretrainPolicy
 
 
@@ -99,7 +99,9 @@ def test_bad_files_are_refused(tmp_path):
 
 def test_callbacks_are_fresh_each_time():
     first, again = callbacks(env_id("PushWalk")), callbacks(env_id("PushWalk"))
-    assert [type(callback).__name__ for callback in first] == ["DiscriminatorRewardCallback", "AttributeRamp"]
+    assert [type(callback).__name__ for callback in first] == [
+        "DiscriminatorRewardCallback", "AttributeRamp", "StyleCallback",
+    ]  # fmt: skip
     assert all(a is not b for a, b in zip(first, again, strict=True))
     assert first[0].weights == {"imitation": 0.25, "goal": 0.75}
 

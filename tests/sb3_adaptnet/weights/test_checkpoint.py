@@ -19,6 +19,7 @@ from sb3_adaptnet import (
     save_adaptation,
     save_base,
 )
+from sb3_adaptnet.policies.loading import load_base_of
 
 
 def test_base_round_trip_is_exact_also_right_after_training(base_model, base_file):
@@ -67,6 +68,8 @@ def test_finetuned_policy_becomes_a_base_of_its_own(base_file, tmp_path):
     model = PPO(FinetunePolicy, ENV, policy_kwargs={"base": str(base_file)}, **ARGUMENTS).learn(32)
     file = save_base(model, tmp_path / "tuned")
     assert np.array_equal(act(load_policy(file, ENV)), act(model.policy))
+    assert np.array_equal(act(load_base_of(file, ENV)), act(load_policy(base_file, ENV)))
+    assert load_base_of(base_file, ENV) is None
     with pytest.raises(ValueError, match="save_base"):
         save_adaptation(model, tmp_path / "tuned2")
 

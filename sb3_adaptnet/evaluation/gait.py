@@ -1,0 +1,139 @@
+"""The gait of a motion in three figures: how often a foot steps, how high the feet rise, how long both are in the air.
+
+A policy and its clip are measured by the same functions, on link states alone.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from adapt_envs.features import rotations
+from adapt_envs.features.kinematics import Kinematics
+from adapt_envs.model.build import compile_model
+from adapt_envs.model.humanoid import FEET, LINKS
+from adapt_envs.model.soles import TOUCHING, sole_corners
+from adapt_envs.motion.clip import FPS, MotionClip
+from sb3_adaptnet.evaluation.imitation_error import local_positions
+
+Floor = Callable[[NDArray[np.floating]], NDArray[np.floating]]
+"""Heights (...) [m] of the ground at points (..., 2) [m]."""
+_FEET = [LINKS.index(foot) for foot in FEET]
+_HIGH = 99
+"""Percentile of a foot's height that counts as its highest."""
+_LAGS = range(round(0.25 * FPS), 3 * FPS + 1)
+"""Frames after which a stride may repeat: 0.33 to 4 Hz."""
+_ALIKE, _AS_GOOD = 0.5, 0.9
+"""Correlation from which a stride counts as repeated; the first peak of this share of the best is one stride."""
+_PIECE = 4 * FPS
+"""Frames of each piece of a long clip that is measured."""
+_SPEED_RANGE = 0.1
+"""Pieces of a long clip count whose speed is this near to the one asked for, relative to it."""
+
+
+@dataclass(frozen=True)
+class Gait:
+    """The gait of a motion; all None without a stretch to measure.
+
+    Attributes:
+        cadence_hz: strides per second of one foot; None also where nothing repeats.
+        foot_height_m: 99th percentile of the height of a foot's link frame, the ankle, above the ground [m]; mean over
+            the feet. A standing foot's is 0.05 m.
+        flight_share: share of frames in which no corner of a sole is within 1.5 cm of the ground.
+    """
+
+    cadence_hz: float | None
+    foot_height_m: float | None
+    flight_share: float | None
+
+
+def flat(points: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Flat ground at height 0, where clips are."""
+    return np.zeros(points.shape[:-1], points.dtype)
+
+
+def gait_of(
+    stretches: Sequence[NDArray[np.float32]],
+    soles: NDArray[np.float64] | None = None,
+    floor_at: Floor = flat,
+    looped: bool = False,
+) -> Gait:
+    """The gait of a motion.
+
+    Args:
+        stretches: link states (T, 15, 13), world frame, of stretches without a jump.
+        soles: corners (2, 4, 3) [m] of the soles in the feet's frames; None for the plain character's.
+        floor_at: the ground.
+        looped: whether each stretch is whole periods of a motion that repeats.
+    """
+    if not stretches:
+        return Gait(None, None, None)
+    feet = np.concatenate(stretches)[:, _FEET]
+    height = feet[..., 2] - floor_at(feet[..., :2])
+    corners = sole_corners(compile_model()) if soles is None else soles
+    places = [local_positions(links)[:, _FEET].reshape(len(links), -1) for links in stretches]
+    return Gait(
+        cadence_hz=cadence(places, looped),
+        foot_height_m=float(np.percentile(height, _HIGH, axis=0).mean()),
+        flight_share=float(in_flight(feet, corners, floor_at).mean()),
+    )
+
+
+def in_flight(feet: NDArray[np.float32], soles: NDArray[np.float64], floor_at: Floor = flat) -> NDArray[np.bool_]:
+    """Whether no corner of a sole touches the ground (T,); feet (T, 2, 13) in the world, soles (2, 4, 3) in them."""
+    corners = feet[:, :, None, :3] + rotations.rotate(feet[:, :, None, 3:7], soles[None])
+    lowest = (corners[..., 2] - floor_at(corners[..., :2])).min(axis=(1, 2))
+    return np.asarray(lowest > TOUCHING)
+
+
+def cadence(signals: Sequence[NDArray[np.floating]], looped: bool = False) -> float | None:
+    """How often per second signals repeat: by the first high peak of their common autocorrelation.
+
+    Of both feet's places relative to the root a step is no repetition: the feet have changed places. Stretches are
+    pooled, each for lags of up to half its length, so that short ones help and slow strides are left to long ones.
+
+    Args:
+        signals: (T, C) each.
+        looped: whether each is whole periods.
+
+    Returns:
+        The frequency [Hz]; None if nothing repeats.
+    """
+    likeness = np.array([_likeness(signals, lag, looped) for lag in _LAGS])
+    before, here, after = likeness[:-2], likeness[1:-1], likeness[2:]
+    peaks = np.flatnonzero((here >= _ALIKE) & (here > before) & (here >= after))
+    if not len(peaks):
+        return None
+    peak = next(peak for peak in peaks if here[peak] >= _AS_GOOD * here[peaks].max())
+    bend = before[peak] - 2 * here[peak] + after[peak]
+    lag = _LAGS[1] + peak + (before[peak] - after[peak]) / (2 * bend)  # the top of the parabola through the three
+    return float(FPS / lag)
+
+
+def _likeness(signals: Sequence[NDArray[np.floating]], lag: int, looped: bool) -> float:
+    """Correlation of signals (T, C) with themselves `lag` frames later: 1 if they repeat; -1 if all are too short."""
+    product = power = 0.0
+    for signal in signals:
+        centred = signal - signal.mean(axis=0)
+        now, later = (centred, np.roll(centred, -lag, axis=0)) if looped else (centred[:-lag], centred[lag:])
+        if looped or len(signal) >= 2 * lag:
+            product += 2 * float((now * later).sum())
+            power += float(np.square(now).sum() + np.square(later).sum())
+    return product / power if power > 0 else -1.0
+
+
+def clip_gait(clip: MotionClip, speed: float) -> Gait:
+    """The gait of a clip: of its period if it repeats, else of its stretches of 4 s at about `speed` [m/s]."""
+    pieces = [clip.qpos[: clip.period]] if clip.cyclic else _pieces_at(clip, speed)
+    kinematics = Kinematics(compile_model())
+    return gait_of([kinematics.link_states(piece) for piece in pieces], looped=clip.cyclic)
+
+
+def _pieces_at(clip: MotionClip, speed: float) -> list[NDArray[np.float64]]:
+    """Configurations (T, nq) of the pieces of a clip that get as far as at that speed, so nearly straight on."""
+    starts = range(0, max(len(clip.qpos) - _PIECE, 0) + 1, _PIECE)
+    pieces = [clip.qpos[start : start + _PIECE] for start in starts]
+    speeds = np.array([np.linalg.norm(piece[-1, :2] - piece[0, :2]) * FPS / (len(piece) - 1) for piece in pieces])
+    off = np.abs(speeds - speed)
+    return [piece for piece, d in zip(pieces, off, strict=True) if d <= max(_SPEED_RANGE * speed, off.min())]

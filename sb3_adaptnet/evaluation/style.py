@@ -1,0 +1,155 @@
+"""Whether a style can be seen: a policy's gait and motion beside its clip's, at about the clip's tempo."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from adapt_envs import AdaptVectorEnv
+from adapt_envs.model.soles import sole_corners
+from adapt_envs.motion.clip import MotionClip
+from adapt_envs.motion.library import BASES, load_clip
+from adapt_envs.progress import Progress
+from sb3_adaptnet.evaluation.alpha import record_base
+from sb3_adaptnet.evaluation.gait import Gait, clip_gait, gait_of
+from sb3_adaptnet.evaluation.imitation_error import (
+    BOUNDED,
+    imitation_error,
+    matches,
+    mean_error,
+    settled,
+    world_error,
+)
+from sb3_adaptnet.evaluation.recording import Acting, Recording, reference_speed
+
+CADENCE_RANGE, FOOT_HEIGHT_RANGE, FLIGHT_RANGE = (0.85, 1.15), (0.75, 1.3), (0.5, 1.5)
+"""Where a policy's figure over its clip's must lie for the style to be visible."""
+LEAST_FLIGHT = 0.05
+"""Flight share of a clip from which flights belong to its style."""
+MOST_ERROR = 0.5
+"""Tempo-bounded error of a visible style over its base's, at most."""
+
+
+@dataclass(frozen=True)
+class StyleFigures:
+    """What is measured straight ahead, at the clip's speed; None where no world stayed up for 3 s.
+
+    Attributes:
+        visible: whether the style can be seen: no test failed; None where there is none, or no base to compare with.
+        failed_tests: which tests failed, in words.
+        cadence_hz: strides per second of one foot; None also where nothing repeats.
+        clip_cadence_hz: the clip's.
+        foot_height_m: 99th percentile of the height of the ankles above the ground [m].
+        clip_foot_height_m: the clip's.
+        flight_share: share of frames in which neither foot touches the ground.
+        clip_flight_share: the clip's.
+        tempo_error_m: mean distance to the clip [m], whose tempo may change by at most 15 %; in the root's frame.
+        base_tempo_error_m: the base's on the same clip.
+        world_error_m: mean distance to the clip in world space [m] (see `world_error`).
+    """
+
+    visible: bool | None
+    failed_tests: tuple[str, ...]
+    cadence_hz: float | None
+    clip_cadence_hz: float | None
+    foot_height_m: float | None
+    clip_foot_height_m: float | None
+    flight_share: float | None
+    clip_flight_share: float | None
+    tempo_error_m: float | None
+    base_tempo_error_m: float | None
+    world_error_m: float | None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fields as plain values."""
+        return asdict(self) | {"failed_tests": list(self.failed_tests)}
+
+
+def is_style(clip: MotionClip) -> bool:
+    """Whether a clip is one to adapt to, and not one that a base learned from."""
+    return clip.digest not in [load_clip(name).digest for name in BASES]
+
+
+def tempo_error_of_base(
+    policy: Acting, env: AdaptVectorEnv, seed: int, progress: Progress = iter, base: Acting | None = None
+) -> float | None:
+    """A base's tempo-bounded error [m] on the worlds' style; None if it is no style, or if there is no base.
+
+    Args:
+        policy: an adaptation whose own base is meant.
+        env: worlds without a time limit.
+        seed: of the start states.
+        progress: wraps the step numbers.
+        base: another base.
+    """
+    clip = env.worlds.reference.clips[0]
+    straight = record_base(policy, env, seed, progress, base) if is_style(clip) else None
+    return None if straight is None else imitation_error(straight, clip, BOUNDED).mean
+
+
+def style_figures(
+    env: AdaptVectorEnv, straight: Recording, base_error: float | None = None, expected: Gait | None = None
+) -> StyleFigures:
+    """Measure a recording of worlds that go straight ahead.
+
+    Args:
+        env: the worlds.
+        straight: of `record_straight` at their `reference_speed`.
+        base_error: tempo-bounded error of the base [m]; None if there is no base to compare with.
+        expected: the clip's gait, if it is known already.
+    """
+    clip = env.worlds.reference.clips[0]
+    expected = expected or clip_gait(clip, reference_speed(env))
+    stretches = [straight.links[start:stop, world] for world, start, stop in settled(straight)]
+    found = gait_of(stretches, sole_corners(env.worlds.model), env.worlds.ground.floor_at)
+    matched = matches(straight, clip, BOUNDED)
+    error = mean_error(matched).mean
+    failed = failed_tests(found, expected, error, base_error) if is_style(clip) else ()
+    return StyleFigures(
+        visible=False if failed else True if is_style(clip) and base_error is not None else None,
+        failed_tests=failed,
+        cadence_hz=rounded(found.cadence_hz),
+        clip_cadence_hz=rounded(expected.cadence_hz),
+        foot_height_m=rounded(found.foot_height_m),
+        clip_foot_height_m=rounded(expected.foot_height_m),
+        flight_share=rounded(found.flight_share),
+        clip_flight_share=rounded(expected.flight_share),
+        tempo_error_m=rounded(error),
+        base_tempo_error_m=rounded(base_error),
+        world_error_m=rounded(world_error(straight, clip, matched)),
+    )
+
+
+def failed_tests(found: Gait, clip: Gait, error: float | None, base_error: float | None) -> tuple[str, ...]:
+    """Which tests of a visible style fail, in words; a test without a clip's or a base's figure is left out.
+
+    Args:
+        found: the policy's gait.
+        clip: its clip's.
+        error: the policy's tempo-bounded error [m].
+        base_error: its base's.
+    """
+    flight = clip.flight_share if (clip.flight_share or 0) > LEAST_FLIGHT else None
+    most = (0.0, MOST_ERROR)
+    tests = (
+        ("cadence", found.cadence_hz, clip.cadence_hz, "{:.2f} Hz", "the clip's", CADENCE_RANGE),
+        ("foot height", found.foot_height_m, clip.foot_height_m, "{:.2f} m", "the clip's", FOOT_HEIGHT_RANGE),
+        ("flight share", found.flight_share, flight, "{:.0%}", "the clip's", FLIGHT_RANGE),
+        ("tempo error", error, base_error, "{:.3f} m", "the base's", most),
+    )
+    return tuple(words for test in tests if (words := _complaint(*test)))
+
+
+def _complaint(
+    name: str, found: float | None, other: float | None, text: str, whose: str, bounds: tuple[float, float]
+) -> str:
+    """What is wrong with a figure whose ratio to another must lie within bounds; nothing if it does."""
+    low, high = bounds
+    if other is None or (found is not None and low * other <= found <= high * other):
+        return ""
+    value = "none" if found is None else text.format(found)
+    wanted = f"{low:g} to {high:g}" if low else f"at most {high:g}"
+    return f"{name} {value}: {whose} is {text.format(other)}, {wanted} of it wanted"
+
+
+def rounded(value: Any) -> Any:
+    """A float of four decimals, which is more than the measures are good for; None stays None."""
+    return None if value is None else round(float(value), 4)

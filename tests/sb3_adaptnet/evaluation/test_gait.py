@@ -1,0 +1,91 @@
+"""Gaits of motions whose gait is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from evaluation_cases import recording_of
+
+from adapt_envs.model.build import compile_model
+from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.model.soles import sole_corners
+from adapt_envs.motion.clip import FPS
+from adapt_envs.motion.library import STYLES, load_clip
+from sb3_adaptnet.evaluation.gait import Gait, cadence, clip_gait, gait_of, in_flight
+
+RIGHT, LEFT = 11, 14
+
+
+def feet_of(frequency, seconds, phase=0.0):
+    """Feet (T, 6) that swing ahead and rise in turn, `frequency` times a second each."""
+    turn = 2 * np.pi * frequency * np.arange(round(seconds * FPS)) * CONTROL_DT + phase
+    right, left = ([0.3 * np.sin(t), 0 * t + 0.1, 0.1 * np.maximum(np.cos(t), 0)] for t in (turn, turn + np.pi))
+    return np.stack([*right, *left], axis=1)
+
+
+@pytest.mark.parametrize("frequency", [0.45, 0.8, 1.07, 1.9, 2.6])
+def test_the_cadence_is_that_of_strides_not_of_steps(frequency):
+    assert cadence([feet_of(frequency, 8.0)]) == pytest.approx(frequency, rel=0.01)
+
+
+def test_noise_does_not_change_the_cadence_and_has_none():
+    noise = np.random.default_rng(0).normal(size=(240, 6))
+    assert cadence([feet_of(0.9, 8.0) + 0.03 * noise]) == pytest.approx(0.9, rel=0.02)
+    assert cadence([noise]) is None and cadence([np.zeros((240, 6))]) is None
+
+
+def test_short_stretches_are_pooled():
+    stretches = [feet_of(1.1, 2.5, phase) for phase in range(6)]
+    assert cadence(stretches) == pytest.approx(1.1, rel=0.01)
+    assert cadence([feet_of(1.1, 1.2)]) is None
+
+
+def test_one_period_of_a_loop_is_enough():
+    assert cadence([feet_of(0.5, 2.0)], looped=True) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_a_style_steps_once_a_period(name):
+    clip = load_clip(name)
+    assert clip_gait(clip, 1.0).cadence_hz == pytest.approx(FPS / clip.period, rel=1e-3)
+
+
+def test_a_clip_played_back_has_its_own_gait():
+    clip = load_clip("JauntySkip")
+    links = recording_of(clip.at(np.arange(5, 5 + 6 * clip.period))).links[:, 0]
+    found, expected = gait_of([links]), clip_gait(clip, 1.0)
+    assert found.cadence_hz == pytest.approx(expected.cadence_hz, rel=0.01)
+    assert found.foot_height_m == pytest.approx(expected.foot_height_m, rel=0.01)
+    assert found.flight_share == pytest.approx(expected.flight_share) and expected.flight_share > 0.1
+
+
+def test_of_a_long_clip_the_stretches_at_the_speed_count():
+    walk = load_clip("walk")
+    slow, fast = clip_gait(walk, 0.8), clip_gait(walk, 1.4)
+    assert 0.9 < slow.cadence_hz < fast.cadence_hz < 1.2
+    assert clip_gait(load_clip("run"), 3.0).flight_share > 0.1 > slow.flight_share
+    single = replace(walk, qpos=walk.qpos[300:390])
+    assert clip_gait(single, 5.0).foot_height_m == pytest.approx(slow.foot_height_m, rel=0.1)
+
+
+def test_the_foot_height_is_the_mean_over_the_feet_of_the_99th_percentile_above_the_ground():
+    links = recording_of(load_clip("Stoop").at(np.arange(101))).links[:, 0]
+    links[:, RIGHT, 2] = 0.05 + 0.2 * np.arange(101) / 100
+    links[:, LEFT, 2] = 0.05
+    assert gait_of([links]).foot_height_m == pytest.approx((0.248 + 0.05) / 2, abs=1e-6)
+    assert gait_of([links], floor_at=lambda xy: 0.01 + 0 * xy[..., 0]).foot_height_m == pytest.approx(0.139, abs=1e-6)
+
+
+def test_both_feet_must_leave_the_ground_to_fly():
+    feet = np.zeros((4, 2, 13), np.float32)
+    feet[..., 3] = 1.0
+    soles = sole_corners(compile_model())
+    feet[..., 2] = -soles[..., 2].min() + np.array([[0, 0], [0.1, 0], [0.1, 0.014], [0.1, 0.016]])
+    assert in_flight(feet, soles).tolist() == [False, False, False, True]
+    assert in_flight(feet, soles, lambda xy: 0.1 + 0 * xy[..., 0]).tolist() == [False] * 4
+    feet[3, 1, 3:7] = np.cos(0.2), 0, np.sin(0.2), 0  # a toe points down and touches
+    assert not in_flight(feet, soles)[3]
+
+
+def test_without_a_stretch_there_is_no_gait():
+    assert gait_of([]) == Gait(None, None, None)
