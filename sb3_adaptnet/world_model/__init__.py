@@ -1,0 +1,1 @@
+"""A learned, differentiable world: the character's kinematics and dynamics, fitted to its simulation."""
