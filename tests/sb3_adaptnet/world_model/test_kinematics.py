@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 import torch
+from world_cases import random_configurations
 
 from adapt_envs import rotations
 from adapt_envs.features import heading_frame_features
@@ -27,18 +28,10 @@ def body(shape, locked):
     return compile_model(build_character(MORPHOLOGIES.get(shape), locked))
 
 
-def random_states(model, count, seed=0):
-    rng = np.random.default_rng(seed)
-    qpos = rng.normal(size=(count, model.nq))
-    qpos[:, 3:7] /= np.linalg.norm(qpos[:, 3:7], axis=1, keepdims=True)
-    qpos[:, 7:] = rng.uniform(*model.jnt_range[1:].T, size=(count, model.nu))
-    return qpos, rng.normal(size=(count, model.nv)) * 3
-
-
 @pytest.mark.parametrize(("shape", "locked"), BODIES)
 def test_links_equal_mujocos(shape, locked):
     model = body(shape, locked)
-    qpos, qvel = random_states(model, 50)
+    qpos, qvel = random_configurations(model, 50)
     expected = MujocoKinematics(model).link_states(qpos, qvel)
     state = State.from_mujoco(torch.tensor(qpos), torch.tensor(qvel))
     found = to_observed(Kinematics(Character.of(model)).double()(state)).reshape(expected.shape)
@@ -50,7 +43,7 @@ def test_links_equal_mujocos(shape, locked):
 @pytest.mark.parametrize("locked", [(), ("right_knee", "ankle")])
 def test_slopes_equal_finite_differences(locked):
     model = body(None, locked)
-    state = State.from_mujoco(*(torch.tensor(part) for part in random_states(model, 2)))
+    state = State.from_mujoco(*(torch.tensor(part) for part in random_configurations(model, 2)))
     kinematics = Kinematics(Character.of(model)).double()
     parts = tuple(part.clone().requires_grad_() for part in state)
     assert torch.autograd.gradcheck(lambda *parts: kinematics(State(*parts)), parts)
@@ -59,7 +52,7 @@ def test_slopes_equal_finite_differences(locked):
 
 def test_the_heading_view_equals_the_observations():
     model = body(None, ())
-    links = MujocoKinematics(model).link_states(*random_states(model, 40)).reshape(10, 4, 15, 13)
+    links = MujocoKinematics(model).link_states(*random_configurations(model, 40)).reshape(10, 4, 15, 13)
     frames = from_observed(torch.as_tensor(links.reshape(10, 60, 13)))
     found = heading_view(frames, len(LINKS))
     assert np.allclose(to_observed(found.links), heading_frame_features(links).reshape(10, -1), atol=1e-5)
