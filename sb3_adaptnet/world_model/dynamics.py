@@ -4,6 +4,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from sb3_adaptnet.precision import autocast
+
 CLAMP = 6.0
 """Inputs farther than so many standard deviations from their mean are clipped."""
 _LEAST_STD = 1e-3
@@ -15,8 +17,7 @@ _FIRST_STD = 0.01
 class Dynamics(nn.Module):
     """Inputs (B, I) -> change (B, O) in physical units.
 
-    The hidden layers' products may run in bfloat16: by autocast while it learns, or because `shorten` made them so.
-    The linear map, the sum and the statistics keep their type.
+    Only the hidden layers' products follow `precision`; the linear map, the sum and the statistics keep their type.
 
     Attributes:
         input_mean, input_scale: (I,) mean and 1 / standard deviation of the inputs.
@@ -24,6 +25,7 @@ class Dynamics(nn.Module):
         layers: hidden layers with SiLU; from the second on each adds to what it reads.
         last: from the last hidden layer to normalised changes.
         linear: from the normalised inputs straight to normalised changes.
+        precision: "fp32", or "bf16" for hidden layers that multiply in bfloat16.
     """
 
     input_mean: torch.Tensor
@@ -40,6 +42,7 @@ class Dynamics(nn.Module):
         sizes = (inputs, *[width] * depth)
         self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in zip(sizes[:-1], sizes[1:], strict=True))
         self.last, self.linear = nn.Linear(width, outputs), nn.Linear(inputs, outputs)
+        self.precision = "fp32"
         nn.init.normal_(self.last.weight, std=_FIRST_STD)
         for zero in (self.last.bias, self.linear.weight, self.linear.bias):
             nn.init.zeros_(zero)
@@ -55,10 +58,12 @@ class Dynamics(nn.Module):
     def normalised_change(self, inputs: torch.Tensor) -> torch.Tensor:
         """The change (B, O) in standard deviations from its mean."""
         seen = ((inputs - self.input_mean) * self.input_scale).clamp(-CLAMP, CLAMP)
-        hidden = functional.silu(self.layers[0](seen.to(self.last.weight.dtype)))
-        for layer in self.layers[1:]:
-            hidden = hidden + functional.silu(layer(hidden))
-        return self.last(hidden).to(seen.dtype) + self.linear(seen).to(seen.dtype)
+        with autocast(seen.device, self.precision):
+            hidden = functional.silu(self.layers[0](seen.to(self.last.weight.dtype)))
+            for layer in self.layers[1:]:
+                hidden = hidden + functional.silu(layer(hidden))
+            nonlinear = self.last(hidden)
+        return nonlinear.to(seen.dtype) + self.linear(seen)
 
     def forward(self, inputs: torch.Tensor) -> torch.Tensor:
         """The change (B, O) in physical units."""
@@ -68,8 +73,8 @@ class Dynamics(nn.Module):
         """Changes (B, O) in standard deviations from their mean."""
         return (changes - self.output_mean) / self.output_std
 
-    def shorten(self, dtype: torch.dtype) -> "Dynamics":
-        """Turn the hidden layers' weights into `dtype`, such as bfloat16; returns the network itself."""
-        for layer in (*self.layers, self.last):
-            layer.to(dtype)
-        return self
+    def shorten(self) -> None:
+        """Keep the hidden layers' weights in the type that they multiply in, once and for all."""
+        if self.precision == "bf16":
+            for layer in (*self.layers, self.last):
+                layer.bfloat16()

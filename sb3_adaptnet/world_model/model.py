@@ -111,8 +111,8 @@ class WorldModel(nn.Module):
         change = self.change(view, state, actions)
         return integrate(state, change if residual is None else change + residual, view)
 
-    def frozen(self, dtype: torch.dtype = torch.float32) -> "WorldModel":
-        """A copy whose weights do not learn, with hidden layers in `dtype`: for slopes in states and actions."""
+    def frozen(self) -> "WorldModel":
+        """A copy that does not learn: for slopes in states and actions, and for nothing else."""
         twin = copy.deepcopy(self).requires_grad_(False)
-        twin.dynamics.shorten(dtype)
+        twin.dynamics.shorten()
         return twin

@@ -44,3 +44,7 @@ class State(NamedTuple):
     def map(self, function: Callable[[torch.Tensor], torch.Tensor]) -> "State":
         """The state with `function` applied to each of its parts."""
         return State(*(function(part) for part in self))
+
+    def to(self, device: torch.device) -> "State":
+        """The state on a device."""
+        return self.map(lambda part: part.to(device))

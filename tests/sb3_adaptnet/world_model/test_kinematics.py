@@ -43,10 +43,9 @@ def test_links_equal_mujocos(shape, locked):
 @pytest.mark.parametrize("locked", [(), ("right_knee", "ankle")])
 def test_slopes_equal_finite_differences(locked):
     model = body(None, locked)
-    state = State.from_mujoco(*(torch.tensor(part) for part in random_configurations(model, 2)))
+    state = State.from_mujoco(*(torch.tensor(part) for part in random_configurations(model, 1)))
     kinematics = Kinematics(Character.of(model)).double()
     parts = tuple(part.clone().requires_grad_() for part in state)
-    assert torch.autograd.gradcheck(lambda *parts: kinematics(State(*parts)), parts)
     assert torch.autograd.gradcheck(lambda *parts: heading_view(kinematics(State(*parts)), len(LINKS)).links, parts)
 
 

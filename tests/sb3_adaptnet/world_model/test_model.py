@@ -67,7 +67,7 @@ def test_a_step_with_its_residual_is_the_real_one():
 
 
 def test_the_slopes_of_a_step_equal_finite_differences():
-    world = model().double().frozen(torch.float64)
+    world = model().double().frozen()
     state, actions = random_state(2, 0), torch.rand(2, JOINTS).double().requires_grad_()
 
     def two_steps(actions, rates):
@@ -79,12 +79,13 @@ def test_the_slopes_of_a_step_equal_finite_differences():
     assert torch.autograd.gradcheck(two_steps, (actions, state.rates.clone().requires_grad_()))
 
 
-@pytest.mark.parametrize("dtype", [torch.float32, torch.bfloat16])
-def test_a_frozen_copy_agrees(dtype):
+@pytest.mark.parametrize("precision", ["fp32", "bf16"])
+def test_a_frozen_copy_agrees(precision):
     world = model()
-    frozen, inputs = world.frozen(dtype), torch.randn(50, len(world.dynamics.input_mean))
+    world.dynamics.precision = precision
+    frozen, inputs = world.frozen(), torch.randn(50, len(world.dynamics.input_mean))
     found, expected = frozen.dynamics(inputs), world.dynamics(inputs)
-    assert torch.allclose(found, expected, atol=1e-6 if dtype == torch.float32 else 0.1)
+    assert torch.allclose(found, expected, atol=1e-6 if precision == "fp32" else 0.1)
     assert not any(p.requires_grad for p in frozen.parameters())
     assert all(p.requires_grad for p in world.parameters())
 
