@@ -4,7 +4,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from sb3_adaptnet.precision import autocast
+from sb3_adaptnet.modules.layers.precision import autocast
 
 CLAMP = 6.0
 """Inputs farther than so many standard deviations from their mean are clipped."""

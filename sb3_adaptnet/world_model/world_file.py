@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sb3_adaptnet.checkpoint import build_checked, load_checked
-from sb3_adaptnet.weight_file import CheckpointError, read_weights, write_weights
+from sb3_adaptnet.weights.checkpoint import build_checked, load_checked
+from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights, write_weights
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 

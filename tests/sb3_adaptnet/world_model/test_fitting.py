@@ -7,7 +7,7 @@ import pytest
 import torch
 from world_cases import CHARACTER, recorded
 
-from sb3_adaptnet.weight_file import CheckpointError, write_weights
+from sb3_adaptnet.weights.weight_file import CheckpointError, write_weights
 from sb3_adaptnet.world_model.error_table import error_table
 from sb3_adaptnet.world_model.fitting import Stage, draw, fit, loss_of, set_statistics
 from sb3_adaptnet.world_model.model import Sizes, WorldModel

@@ -8,9 +8,9 @@ import pytest
 import torch
 from world_cases import random_configurations
 
-from adapt_envs import rotations
-from adapt_envs.features import heading_frame_features
-from adapt_envs.kinematics import Kinematics as MujocoKinematics
+from adapt_envs.features import rotations
+from adapt_envs.features.heading_frame import heading_frame_features
+from adapt_envs.features.kinematics import Kinematics as MujocoKinematics
 from adapt_envs.model.build import build_character, compile_model
 from adapt_envs.model.humanoid import LINKS
 from adapt_envs.model.morphology import MORPHOLOGIES
