@@ -131,6 +131,25 @@ class AdaptVecEnv(VecEnv):
         info = {"terminal_observation": observation, "TimeLimit.truncated": truncated, "episode": episode}
         return info if ends is None else {"end": str(ends[world]), **info}
 
+    def restart(self, worlds: np.ndarray, starts: np.ndarray | None = None) -> VecEnvObs:
+        """End the episodes of some worlds (n,) before their time and begin others.
+
+        Args:
+            worlds: Their numbers.
+            starts: Numbers (n,) of the reference states to begin in; None draws them.
+
+        Returns:
+            First observations of these n worlds.
+        """
+        self._returns[worlds] = 0.0
+        self._lengths[worlds] = 0
+        return copy_observations(self.simulation.restart(worlds, starts))
+
+    @property
+    def simulation(self) -> Any:
+        """The vector environment below any wrappers: states, goals and the reference motion of all worlds."""
+        return self.worlds.unwrapped
+
     def close(self) -> None:
         """Free the worlds."""
         self.vector_env.close()

@@ -9,6 +9,7 @@ import torch
 from sb3_adaptnet.world_model.integration import change_between
 from sb3_adaptnet.world_model.links import POSITION, SPIN, VELOCITY
 from sb3_adaptnet.world_model.model import WorldModel
+from sb3_adaptnet.world_model.pseudo_huber import pseudo_huber
 from sb3_adaptnet.world_model.state import State
 from sb3_adaptnet.world_model.transitions import Transitions
 
@@ -48,11 +49,6 @@ STAGES = (
 """The fit of a model that ships; about nine minutes on two cores."""
 
 
-def pseudo_huber(error: torch.Tensor, scale: float) -> torch.Tensor:
-    """sqrt(1 + (error / scale)^2) - 1: square for small errors, straight for large ones."""
-    return torch.sqrt((error / scale).square() + 1) - 1
-
-
 def set_statistics(model: WorldModel, data: Transitions, rng: np.random.Generator) -> None:
     """Normalise the model's inputs and changes by the data's."""
     inputs, changes = one_step(model, data, draw(data, 1, STATISTICS_SAMPLES, rng))
@@ -84,7 +80,7 @@ def one_step(model: WorldModel, data: Transitions, starts: np.ndarray) -> tuple[
 def one_step_loss(model: WorldModel, inputs: torch.Tensor, changes: torch.Tensor) -> torch.Tensor:
     """Mean error () of the expected changes, in standard deviations of the changes."""
     dynamics = model.dynamics
-    return pseudo_huber(dynamics.normalised_change(inputs) - dynamics.normalise(changes), 1.0).mean()
+    return pseudo_huber((dynamics.normalised_change(inputs) - dynamics.normalise(changes)).square(), 1.0).mean()
 
 
 def open_loop(
@@ -116,7 +112,7 @@ def open_loop_loss(model: WorldModel, data: Transitions, starts: np.ndarray, ste
             "rate": state.rates - true.rates,
         }
         for name, error in errors.items():
-            total = total + WEIGHTS[name] * pseudo_huber(error, SCALES[name]).mean()
+            total = total + WEIGHTS[name] * pseudo_huber(error.square(), SCALES[name]).mean()
     return total / steps
 
 

@@ -1,0 +1,1 @@
+"""Learners beside PPO, as Stable-Baselines3 algorithms."""
