@@ -148,7 +148,7 @@ class AdaptVecEnv(VecEnv):
     @property
     def simulation(self) -> Any:
         """The vector environment below any wrappers: states, goals and the reference motion of all worlds."""
-        return self.worlds.unwrapped
+        return self.vector_env.unwrapped
 
     def close(self) -> None:
         """Free the worlds."""

@@ -34,7 +34,7 @@ class Guidance:
         turn_rates: (N,) of that direction [rad/s].
     """
 
-    phases: NDArray[np.int64]
+    phases: NDArray[np.integer]
     headings: NDArray[np.float32]
     turn_rates: NDArray[np.float32]
 
@@ -51,7 +51,7 @@ class Guide:
     def __init__(self, motion: TrackedMotion, num_worlds: int) -> None:
         """Guides before the first `restart`."""
         self.motion = motion
-        self.phases = np.zeros(num_worlds, np.int64)
+        self.phases: NDArray[np.integer] = np.zeros(num_worlds, np.int64)
         self.headings = np.zeros(num_worlds)
         self.turn_rates = np.zeros(num_worlds)
         self.fastest_turn = 0.0

@@ -47,7 +47,7 @@ class RealRollout:
     frames: NDArray[np.float32]
     targets: NDArray[np.float32]
     speeds: NDArray[np.float32]
-    phases: NDArray[np.int64]
+    phases: NDArray[np.integer]
     headings: NDArray[np.float32]
     turn_rates: NDArray[np.float32]
 

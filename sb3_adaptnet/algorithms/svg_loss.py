@@ -1,30 +1,14 @@
 """The loss of a window: tracking, travel and smooth actions; the penalties of eq. 12 are the actor's own."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 
 import torch
 
 from sb3_adaptnet.algorithms.imagination import Imagined
-from sb3_adaptnet.algorithms.losses.smoothness import smoothness_loss
-from sb3_adaptnet.algorithms.losses.tracking import TrackingWeights, tracking_loss
-from sb3_adaptnet.algorithms.losses.travel import TravelWeights, travel_loss
+from sb3_adaptnet.algorithms.svg_settings import LossWeights
 from sb3_adaptnet.algorithms.tracked_motion import TrackedMotion
-
-
-@dataclass(frozen=True)
-class LossWeights:
-    """How much the parts of the loss count.
-
-    Attributes:
-        tracking: of poses and velocities.
-        travel: of where the character goes.
-        smoothness: of changes of the actions.
-    """
-
-    tracking: TrackingWeights = field(default_factory=TrackingWeights)
-    travel: TravelWeights = field(default_factory=TravelWeights)
-    smoothness: float = 0.02
+from sb3_adaptnet.algorithms.tracking_loss import tracking_loss
+from sb3_adaptnet.algorithms.travel_loss import travel_loss
 
 
 def window_loss(
@@ -33,22 +17,12 @@ def window_loss(
     """Mean loss () over the steps of a window and its worlds, and the means of its parts; ended episodes count 0."""
     parts: dict[str, list[torch.Tensor]] = {"tracking": [], "travel": [], "smoothness": []}
     before: torch.Tensor | None = None
-    links = motion.links.shape[1]
     for step in steps:
-        guided = step.guided
+        state, view, guided = step.state, step.view, step.guided
+        links = view.latest(motion.links.shape[1])
         costs = {
-            "tracking": tracking_loss(
-                step.state, step.view.latest(links), motion, guided.phases, guided.turn_rates, weights.tracking
-            ),
-            "travel": travel_loss(
-                step.state.velocity,
-                step.view,
-                motion,
-                guided.phases,
-                guided.headings,
-                guided.speeds,
-                weights.travel,
-            ),
+            "tracking": tracking_loss(state, links, motion, guided.phases, guided.turn_rates, weights),
+            "travel": travel_loss(state.velocity, view, motion, guided.phases, guided.headings, guided.speeds, weights),
             "smoothness": weights.smoothness * smoothness_loss(step.actions, before),
         }
         before = step.actions
@@ -56,3 +30,10 @@ def window_loss(
             parts[name].append((cost * guided.weights).mean())
     means = {name: torch.stack(values).mean() for name, values in parts.items()}
     return torch.stack(list(means.values())).sum(), {name: float(mean.detach()) for name, mean in means.items()}
+
+
+def smoothness_loss(actions: torch.Tensor, before: torch.Tensor | None) -> torch.Tensor:
+    """Loss (B,): squared change of the mean actions (B, J) since those `before`; 0 without any."""
+    if before is None:
+        return actions.new_zeros(len(actions))
+    return (actions - before).square().sum(1)

@@ -30,16 +30,11 @@ class ReferenceArrays(Protocol):
         mean_speed: of the root [m/s].
     """
 
-    @property
-    def qpos(self) -> NDArray[np.float64]: ...
-    @property
-    def qvel(self) -> NDArray[np.float64]: ...
-    @property
-    def history(self) -> NDArray[np.float32]: ...
-    @property
-    def cyclic(self) -> bool: ...
-    @property
-    def mean_speed(self) -> float: ...
+    qpos: NDArray[np.float64]
+    qvel: NDArray[np.float64]
+    history: NDArray[np.float32]
+    cyclic: bool
+    mean_speed: float
 
 
 @dataclass(frozen=True, eq=False)

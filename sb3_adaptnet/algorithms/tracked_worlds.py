@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.guide import Guidance, Guide
 from sb3_adaptnet.algorithms.real_rollout import Moment
+from sb3_adaptnet.algorithms.svg_settings import Episodes
 from sb3_adaptnet.algorithms.tracked_motion import OBSERVED_FRAMES, TrackedMotion
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
@@ -43,21 +44,19 @@ class TrackedWorlds:
         lengths: steps of the episodes that ended in the last rollout.
     """
 
-    def __init__(
-        self, env: AdaptVecEnv, motion: TrackedMotion, episode_steps: tuple[int, int], rng: np.random.Generator
-    ) -> None:
+    def __init__(self, env: AdaptVecEnv, motion: TrackedMotion, episodes: Episodes, rng: np.random.Generator) -> None:
         """Guide the worlds of `env` along `motion`; `begin` comes first.
 
         Args:
             env: the worlds.
             motion: their reference.
-            episode_steps: fewest and most control steps of an episode.
+            episodes: how long they last.
             rng: source of the numbers of steps.
         """
         self.env, self.guide, self.rng = env, Guide(motion, env.num_envs), rng
         self.error_limit = np.inf
         self.lengths: list[int] = []
-        self._fewest, self._most = episode_steps
+        self._fewest, self._most = episodes.fewest_steps, episodes.most_steps
         self._ages = np.zeros(env.num_envs, np.int64)
         self._limits = np.zeros(env.num_envs, np.int64)
         self._all = np.arange(env.num_envs)

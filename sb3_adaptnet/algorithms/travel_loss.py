@@ -14,9 +14,14 @@ VELOCITY_SCALE = 0.3
 
 @dataclass(frozen=True)
 class TravelWeights:
-    """How much the parts of the travel loss count."""
+    """How much the parts of the travel loss count.
 
-    velocity: float = 0.4
+    Attributes:
+        travel: velocity of the root on the ground.
+        facing: its heading.
+    """
+
+    travel: float = 0.4
     facing: float = 2.0
 
 
@@ -46,4 +51,4 @@ def travel_loss(
     square = (ahead - wanted[0]).square() + (aside - wanted[1]).square()
     along, across = view.cos * cos + view.sin * sin, view.sin * cos - view.cos * sin
     turned_away = 1 - (along * torch.cos(facing) + across * torch.sin(facing))
-    return weights.velocity * pseudo_huber(square, VELOCITY_SCALE) + weights.facing * turned_away
+    return weights.travel * pseudo_huber(square, VELOCITY_SCALE) + weights.facing * turned_away

@@ -15,7 +15,12 @@ POSITION_SCALE, ORIENTATION_SCALE, VELOCITY_SCALE, SPIN_SCALE, ANGLE_SCALE = 0.1
 
 @dataclass(frozen=True)
 class TrackingWeights:
-    """How much the parts of the tracking loss count."""
+    """How much the parts of the tracking loss count.
+
+    Attributes:
+        position, orientation, velocity, spin: of the links.
+        angle: of the joints.
+    """
 
     position: float = 1.0
     orientation: float = 0.5
