@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.guide import Guidance
+from sb3_adaptnet.algorithms.tracking.guide import Guidance
 from sb3_adaptnet.world_model.transitions import Transitions
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.tracked_motion import TrackedMotion
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 
 BATCH = 256

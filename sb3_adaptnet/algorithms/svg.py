@@ -25,8 +25,8 @@ from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims
 from sb3_adaptnet.algorithms.svg_log import record_rollout, record_times
 from sb3_adaptnet.algorithms.svg_loss import window_loss
 from sb3_adaptnet.algorithms.svg_settings import Episodes, Exploration, LossWeights, ModelRefresh, grouped
-from sb3_adaptnet.algorithms.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.objectives.schedule import Schedule
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.world_model.model import WorldModel

@@ -6,9 +6,9 @@ import torch
 
 from sb3_adaptnet.algorithms.imagination import Imagined
 from sb3_adaptnet.algorithms.svg_settings import LossWeights
-from sb3_adaptnet.algorithms.tracked_motion import TrackedMotion
-from sb3_adaptnet.algorithms.tracking_loss import tracking_loss
-from sb3_adaptnet.algorithms.travel_loss import travel_loss
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
+from sb3_adaptnet.algorithms.tracking.tracking_loss import tracking_loss
+from sb3_adaptnet.algorithms.tracking.travel_loss import travel_loss
 
 
 def window_loss(

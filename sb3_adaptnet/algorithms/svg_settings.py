@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, TypeVar, cast
 
-from sb3_adaptnet.algorithms.tracking_loss import TrackingWeights
-from sb3_adaptnet.algorithms.travel_loss import TravelWeights
+from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
+from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule
 
 Group = TypeVar("Group")

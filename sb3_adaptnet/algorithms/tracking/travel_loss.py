@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import torch
 
-from sb3_adaptnet.algorithms.tracked_motion import TrackedMotion
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.links import HeadingView
 from sb3_adaptnet.world_model.pseudo_huber import pseudo_huber
 

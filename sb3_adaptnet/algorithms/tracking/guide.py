@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.tracked_motion import TrackedMotion
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.integration import CONTROL_DT
 
 TURN_ACCELERATION = 3.0

@@ -5,8 +5,8 @@ import pytest
 import torch
 
 from adapt_envs import make_vector
-from sb3_adaptnet.algorithms.guide import CONTROL_DT, LONGEST_LEAD, TURN_ACCELERATION, Guide
-from sb3_adaptnet.algorithms.tracked_motion import TrackedMotion
+from sb3_adaptnet.algorithms.tracking.guide import CONTROL_DT, LONGEST_LEAD, TURN_ACCELERATION, Guide
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.character import Character
 
 
