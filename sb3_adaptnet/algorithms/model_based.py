@@ -1,6 +1,8 @@
 """An algorithm that learns a policy of this package together with a world model, from an `AdaptVecEnv`."""
 
 import copy
+import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +17,11 @@ from sb3_adaptnet.algorithms.model_refresh import fitted_to
 from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.policies.space_contract import default_base
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
-from sb3_adaptnet.world_model.world_file import read_world
+from sb3_adaptnet.world_model.world_file import beside_base, read_world
 
 ADAM = {"eps": 1e-8, "betas": (0.9, 0.98)}
 """The policy's optimiser: gradients are small, and a rollout's windows resemble each other."""
@@ -72,7 +75,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
 
     def _open_world_model(self, given: str | Path | WorldModel | None) -> None:
         if given is None:
-            raise ValueError("SVG needs the world model of its character: world_model=FILE (adaptnet world-model fit)")
+            given = beside_base((self.policy_kwargs or {}).get("base") or default_base(self.action_space))
         model = copy.deepcopy(given) if isinstance(given, WorldModel) else read_world(given).model
         self.world_model = fitted_to(model, Character.of(self._worlds_of_env().simulation.model))
         self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
@@ -103,6 +106,20 @@ class ModelBasedAlgorithm(BaseAlgorithm):
 
     def _now(self, schedule: Schedule) -> float:
         return value_at(schedule, self.num_timesteps)
+
+    def world_state(self) -> dict[str, Any]:
+        """What a checkpoint needs beside the policy: the model, its optimiser, the random state; plain values."""
+        return {
+            "model": self.world_model.state_dict(),
+            "optimizer": self.world_optimizer.state_dict(),
+            "rng": json.dumps(self.rng.bit_generator.state),
+        }
+
+    def set_world_state(self, state: Mapping[str, Any]) -> None:
+        """Restore what `world_state` gave."""
+        self.world_model.load_state_dict(state["model"])
+        self.world_optimizer.load_state_dict(state["optimizer"])
+        self.rng.bit_generator.state = json.loads(state["rng"])
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
         return ["policy", "policy.optimizer", "world_model", "world_optimizer"], []

@@ -72,7 +72,7 @@ class SVG(ModelBasedAlgorithm):
         Args:
             policy: a policy of this package, such as `AdaptNetPolicy`.
             env: an `AdaptVecEnv` on flat ground.
-            world_model: the character's model, or its file.
+            world_model: the character's model, or its file; None for `BASE.world.safetensors` beside the policy's base.
             learning_rate: of the policy; a number, or samples -> number.
             n_steps: control steps of a rollout.
             window: control steps that gradients pass through.
@@ -123,7 +123,9 @@ class SVG(ModelBasedAlgorithm):
         self._last_obs = None  # worlds and their guides begin together
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
         env = self._worlds_of_env()
-        self.motion = TrackedMotion.of(env.simulation.reference_states, self.world_model.character, self.device)
+        self.motion = TrackedMotion.of(
+            self.world_model.character, self.device, **env.simulation.reference_states._asdict()
+        )
         self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.rng)
         self._worlds.begin()
         self._rollouts = deque[RealRollout](maxlen=max(self.model_refresh.rollouts, self.recent_rollouts))
@@ -158,14 +160,15 @@ class SVG(ModelBasedAlgorithm):
             before = worlds.now()
             actions, noise = self._act(self._last_obs)  # type: ignore[arg-type]  # as above
             step = worlds.step(actions)
+            new_obs, rewards, dones, infos = step.observations, step.rewards, step.dones, step.infos
             self.num_timesteps += self.n_envs
-            callback.update_locals(locals())
+            callback.update_locals(locals())  # under the names that PPO's have
             if not callback.on_step():
                 return False
-            self._update_info_buffer(step.infos, step.dones)
+            self._update_info_buffer(infos, dones)
             recorder.add(before, actions, noise, step.guidance, step.ended)
             errors.append(step.errors)
-            self._last_obs = step.observations
+            self._last_obs = new_obs  # type: ignore[assignment]  # SB3 allows more than arrays
         self._rollouts.append(recorder.finish(worlds.now()))
         record_rollout(self.logger, np.stack(errors), worlds.lengths)
         callback.on_rollout_end()

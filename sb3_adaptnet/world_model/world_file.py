@@ -4,13 +4,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sb3_adaptnet.weights.checkpoint import build_checked, load_checked
+from sb3_adaptnet.weights.checkpoint import build_checked, load_checked, resolve
+from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, WORLD_SUFFIX
 from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights, write_weights
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 
-WORLD_SUFFIX = ".world.safetensors"
-"""How the files' names end, as in `walk.world.safetensors`."""
 KIND = "world"
 """Kind of the files, as their card says."""
 
@@ -25,6 +24,16 @@ class WorldFile(NamedTuple):
 
     model: WorldModel
     card: dict[str, Any]
+
+
+def beside_base(name_or_file: str | Path) -> Path:
+    """Where the world model of a base lies: beside it, under its name.
+
+    Raises:
+        CheckpointError: if there is no such base.
+    """
+    base = resolve(name_or_file)
+    return base.with_name(base.name.removesuffix(WEIGHT_SUFFIX) + WORLD_SUFFIX)
 
 
 def save_world(model: WorldModel, file: str | Path, **about: Any) -> Path:

@@ -1,7 +1,6 @@
 """A reference motion as tensors: what a character shall look like at every phase."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import torch
@@ -18,23 +17,6 @@ FOOT_WEIGHT, LEG_WEIGHT = 4.0, 2.0
 """How much the feet count among the links, and the legs' joints among the joints; a style lives in them."""
 _SMOOTHING = 31
 """Frames (about a second) over which a motion that does not repeat has one direction of travel."""
-
-
-class ReferenceArrays(Protocol):
-    """A reference motion as the environments have it; P states, one every 1/30 s.
-
-    Attributes:
-        qpos, qvel: (P, 7 + J) and (P, 6 + J), MuJoCo's.
-        history: (P, F, L, 13) link states that end in them, world frame.
-        cyclic: whether the first state follows the last one.
-        mean_speed: of the root [m/s].
-    """
-
-    qpos: NDArray[np.float64]
-    qvel: NDArray[np.float64]
-    history: NDArray[np.float32]
-    cyclic: bool
-    mean_speed: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,31 +50,50 @@ class TrackedMotion:
     mean_speed: float
 
     @classmethod
-    def of(cls, reference: ReferenceArrays, character: Character, device: torch.device) -> "TrackedMotion":
-        """Prepare a reference motion of a character."""
-        numbers = reference.history[:, -OBSERVED_FRAMES:].reshape(len(reference.qpos), -1, reference.history.shape[-1])
-        view = heading_view(from_observed(torch.as_tensor(numbers)), len(character.links))
+    def of(
+        cls,
+        character: Character,
+        device: torch.device,
+        *,
+        qpos: NDArray[np.float64],
+        qvel: NDArray[np.float64],
+        history: NDArray[np.float32],
+        cyclic: bool,
+        mean_speed: float,
+    ) -> "TrackedMotion":
+        """Prepare a reference motion, one state every 1/30 s.
+
+        Args:
+            character: whose motion it is.
+            device: where the tensors shall be.
+            qpos: (P, 7 + J), MuJoCo's.
+            qvel: (P, 6 + J), MuJoCo's.
+            history: (P, F, L, 13) link states that end in these states, world frame.
+            cyclic: whether the first state follows the last one.
+            mean_speed: of the root [m/s].
+        """
+        frames = history[:, -OBSERVED_FRAMES:].reshape(len(qpos), -1, history.shape[-1])
+        view = heading_view(from_observed(torch.as_tensor(frames)), len(character.links))
         links = view.latest(len(character.links))
-        travel = _directions(reference.qvel[:, :2], reference.cyclic)
-        along, heading = _turned(reference.qvel[:, :2], -travel), np.arctan2(view.sin.numpy(), view.cos.numpy())
-        angles, rates = reference.qpos[:, 7:], reference.qvel[:, 6:]
-        aims = (angles + SERVO_LEAD * rates - np.array(character.middles)) / np.array(character.widths)
+        travel = _directions(qvel[:, :2], cyclic)
+        along, heading = _turned(qvel[:, :2], -travel), np.arctan2(view.sin.numpy(), view.cos.numpy())
+        aims = qpos[:, 7:] + SERVO_LEAD * qvel[:, 6:]
 
         def tensor(values: NDArray[np.floating]) -> torch.Tensor:
             return torch.as_tensor(values, dtype=torch.float32, device=device).contiguous()
 
         return cls(
             links=links.contiguous().to(device),
-            angles=tensor(angles.T),
+            angles=tensor(qpos[:, 7:].T),
             facing=tensor((heading - travel + np.pi) % (2 * np.pi) - np.pi),
             velocity=tensor(along.T),
             frames=to_observed(view.links).to(device),
-            aims=tensor(aims),
+            aims=tensor((aims - np.array(character.middles)) / np.array(character.widths)),
             link_weights=tensor(_link_weights(character))[:, None],
             joint_weights=tensor(_joint_weights(character))[:, None],
             positions=links[0:9:3].permute(2, 1, 0).contiguous().numpy(),
-            cyclic=reference.cyclic,
-            mean_speed=reference.mean_speed,
+            cyclic=cyclic,
+            mean_speed=mean_speed,
         )
 
     def __len__(self) -> int:

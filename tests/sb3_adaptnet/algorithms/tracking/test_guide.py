@@ -13,7 +13,7 @@ from sb3_adaptnet.world_model.character import Character
 @pytest.fixture
 def guide():
     env = make_vector("AdaptNet/Humanoid-GooseStep-v0", 1)
-    motion = TrackedMotion.of(env.reference_states, Character.of(env.model), torch.device("cpu"))
+    motion = TrackedMotion.of(Character.of(env.model), torch.device("cpu"), **env.reference_states._asdict())
     guide = Guide(motion, 5)
     guide.fastest_turn = 0.6
     guide.restart(np.arange(5), np.arange(5), motion.facing.numpy()[:5])

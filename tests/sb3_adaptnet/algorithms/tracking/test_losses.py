@@ -20,7 +20,7 @@ def case(request):
     name, overrides = request.param
     env = make_vector(f"AdaptNet/Humanoid-{name}-v0", 1, **overrides)
     character, reference = Character.of(env.model), env.reference_states
-    motion = TrackedMotion.of(reference, character, torch.device("cpu"))
+    motion = TrackedMotion.of(character, torch.device("cpu"), **reference._asdict())
     state = State.from_mujoco(torch.tensor(reference.qpos).float(), torch.tensor(reference.qvel).float())
     return motion, state, WorldModel(character, Sizes(8, 1)), env.worlds.spec
 
