@@ -29,6 +29,7 @@ sb3_adaptnet.modules
 sb3_adaptnet.modules.adaptation
 sb3_adaptnet.weights
 sb3_adaptnet.world_model
+sb3_adaptnet.world_model.fitting
 sb3_adaptnet.policies  sb3_adaptnet.vec_env
 sb3_adaptnet.objectives
 sb3_adaptnet.algorithms.tracking

@@ -8,7 +8,7 @@ import torch
 from sb3_adaptnet.algorithms.real_rollout import RealRollout
 from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
 from sb3_adaptnet.world_model.character import Character
-from sb3_adaptnet.world_model.fitting import descend, draw, loss_of
+from sb3_adaptnet.world_model.fitting.fit import descend, draw, loss_of
 from sb3_adaptnet.world_model.model import WorldModel
 
 

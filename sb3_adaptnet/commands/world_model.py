@@ -8,7 +8,7 @@ from adapt_envs.commands.output import check_output
 from sb3_adaptnet.commands.policy_options import ProgressBar, trained_in
 from sb3_adaptnet.commands.train import positive
 from sb3_adaptnet.runs.world_fit import FitPlan, fit_world, record_transitions
-from sb3_adaptnet.world_model.error_table import error_table
+from sb3_adaptnet.world_model.fitting.error_table import error_table
 from sb3_adaptnet.world_model.world_file import read_world
 
 EVAL_WORLDS, EVAL_STEPS = 64, 400

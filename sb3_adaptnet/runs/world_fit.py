@@ -15,9 +15,9 @@ from adapt_envs.progress import Progress
 from sb3_adaptnet.modules.layers.precision import use_precision
 from sb3_adaptnet.policies.loading import load_policy
 from sb3_adaptnet.world_model.character import Character
-from sb3_adaptnet.world_model.collecting import Act, collect
-from sb3_adaptnet.world_model.error_table import ErrorTable, error_table
-from sb3_adaptnet.world_model.fitting import STAGES, Stage, fit, set_statistics
+from sb3_adaptnet.world_model.fitting.collecting import Act, collect
+from sb3_adaptnet.world_model.fitting.error_table import ErrorTable, error_table
+from sb3_adaptnet.world_model.fitting.fit import STAGES, Stage, fit, set_statistics
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions
 from sb3_adaptnet.world_model.world_file import save_world

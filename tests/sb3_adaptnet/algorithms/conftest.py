@@ -9,7 +9,7 @@ from world_cases import CHARACTER, recorded
 
 from sb3_adaptnet import AdaptNetPolicy, AdaptVecEnv, PretrainPolicy, save_base
 from sb3_adaptnet.algorithms.svg import SVG
-from sb3_adaptnet.world_model.fitting import set_statistics
+from sb3_adaptnet.world_model.fitting.fit import set_statistics
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 
 TINY = {

@@ -5,8 +5,8 @@ import torch
 
 from adapt_envs import make_vector
 from adapt_envs.simulation.physics import PhysicsBatch
-from sb3_adaptnet.world_model.babble import Babble, BabbleSettings
-from sb3_adaptnet.world_model.collecting import collect
+from sb3_adaptnet.world_model.fitting.babble import Babble, BabbleSettings
+from sb3_adaptnet.world_model.fitting.collecting import collect
 
 JOINTS = ("neck", "right_hip_y", "right_knee", "left_hip_y", "left_knee")
 STILL = {"white": (0.0,), "correlated": (0.0,)}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from sb3_adaptnet.world_model.fitting import draw, open_loop
+from sb3_adaptnet.world_model.fitting.fit import draw, open_loop
 from sb3_adaptnet.world_model.links import POSITION
 from sb3_adaptnet.world_model.model import WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions

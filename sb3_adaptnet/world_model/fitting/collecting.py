@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sb3_adaptnet.world_model.babble import Babble
+from sb3_adaptnet.world_model.fitting.babble import Babble
 from sb3_adaptnet.world_model.transitions import Transitions
 
 Act = Callable[[Any], NDArray[np.floating]]
