@@ -4,7 +4,7 @@ import copy
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -60,7 +60,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         super().__init__(
             policy,
             env,
-            learning_rate=learning_rate,  # type: ignore[arg-type]  # see _setup_lr_schedule
+            learning_rate=cast(Any, learning_rate),  # what SB3 makes of it, _setup_lr_schedule overrules
             policy_kwargs={"optimizer_kwargs": dict(ADAM)} | (policy_kwargs or {}),
             support_multi_env=True,
             supported_action_spaces=(spaces.Box,),
@@ -102,7 +102,10 @@ class ModelBasedAlgorithm(BaseAlgorithm):
 
     def _setup_lr_schedule(self) -> None:
         """A constant for the policy's constructor: the learning rate follows the samples, not the progress."""
-        self.lr_schedule = FloatSchedule(self._now(self.learning_rate))  # type: ignore[arg-type]
+        self.lr_schedule = FloatSchedule(self._learning_rate_now())
+
+    def _learning_rate_now(self) -> float:
+        return self._now(cast(Schedule, self.learning_rate))
 
     def _now(self, schedule: Schedule) -> float:
         return value_at(schedule, self.num_timesteps)

@@ -8,7 +8,7 @@ import torch
 from sb3_adaptnet.algorithms.real_rollout import RealRollout
 from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
 from sb3_adaptnet.world_model.character import Character
-from sb3_adaptnet.world_model.fitting.fit import descend, draw, loss_of
+from sb3_adaptnet.world_model.fitting.fit import descend, loss_of, sample_starts
 from sb3_adaptnet.world_model.model import WorldModel
 
 
@@ -23,7 +23,7 @@ def refresh(
     losses = []
     for _ in range(settings.updates):
         data = rollouts[int(rng.integers(len(rollouts)))].transitions
-        loss = loss_of(model, data, draw(data, 1, settings.batch, rng), 1)
+        loss = loss_of(model, data, sample_starts(data, 1, settings.batch, rng), 1)
         descend(model, optimizer, loss)
         losses.append(float(loss.detach()))
     return float(np.mean(losses))

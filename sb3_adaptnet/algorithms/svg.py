@@ -7,7 +7,7 @@ propagated back through model and kinematics along the real states (Heess et al.
 from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Self, cast
 
 import numpy as np
 import torch
@@ -30,8 +30,6 @@ from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.objectives.schedule import Schedule
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.world_model.model import WorldModel
-
-Self = TypeVar("Self", bound="SVG")
 
 
 class SVG(ModelBasedAlgorithm):
@@ -111,7 +109,7 @@ class SVG(ModelBasedAlgorithm):
         self.taming, self.norm_limit = GradientTaming(), NormLimit()
 
     def learn(
-        self: Self,
+        self,
         total_timesteps: int,
         callback: MaybeCallback = None,
         log_interval: int = 1,
@@ -123,9 +121,8 @@ class SVG(ModelBasedAlgorithm):
         self._last_obs = None  # worlds and their guides begin together
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
         env = self._worlds_of_env()
-        self.motion = TrackedMotion.of(
-            self.world_model.character, self.device, **env.simulation.reference_states._asdict()
-        )
+        reference = env.simulation.reference_states._asdict()
+        self.motion = TrackedMotion.of(self.world_model.character, self.device, **reference)
         self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.rng)
         self._worlds.begin()
         self._rollouts = deque[RealRollout](maxlen=max(self.model_refresh.rollouts, self.recent_rollouts))
@@ -152,13 +149,14 @@ class SVG(ModelBasedAlgorithm):
         worlds, recorder = self._worlds, RolloutRecorder()
         worlds.guide.fastest_turn = self._now(self.episodes.turn_rate)
         worlds.error_limit = self._now(self.episodes.error_limit)
-        worlds.resynchronise(self._last_obs)  # type: ignore[arg-type]  # an array: there is no heightmap
+        observations = cast(NDArray[np.float32], self._last_obs)  # an array: there is no heightmap
+        worlds.resynchronise(observations)
         self.policy.set_training_mode(False)
         errors = []
         callback.on_rollout_start()
         for _ in range(self.n_steps):
             before = worlds.now()
-            actions, noise = self._act(self._last_obs)  # type: ignore[arg-type]  # as above
+            actions, noise = self._act(observations)
             step = worlds.step(actions)
             new_obs, rewards, dones, infos = step.observations, step.rewards, step.dones, step.infos
             self.num_timesteps += self.n_envs
@@ -168,7 +166,7 @@ class SVG(ModelBasedAlgorithm):
             self._update_info_buffer(infos, dones)
             recorder.add(before, actions, noise, step.guidance, step.ended)
             errors.append(step.errors)
-            self._last_obs = new_obs  # type: ignore[assignment]  # SB3 allows more than arrays
+            self._last_obs = observations = new_obs
         self._rollouts.append(recorder.finish(worlds.now()))
         record_rollout(self.logger, np.stack(errors), worlds.lengths)
         callback.on_rollout_end()
@@ -191,7 +189,7 @@ class SVG(ModelBasedAlgorithm):
         self.world_model.dynamics.precision = self.policy.precision
         loss = refresh(self.world_model, self.world_optimizer, self._rollouts, self.model_refresh, self.rng)
         self.logger.record("svg/model_loss", loss)
-        update_learning_rate(self.policy.optimizer, self._now(self.learning_rate))  # type: ignore[arg-type]
+        update_learning_rate(self.policy.optimizer, self._learning_rate_now())
         frozen, recent = self.world_model.frozen(), list(self._rollouts)[-self.recent_rollouts :]
         logs = []
         for number in range(self.gradient_steps):
@@ -216,6 +214,15 @@ class SVG(ModelBasedAlgorithm):
         """Write the log."""
         record_times(self, iteration)
         self.logger.dump(step=self.num_timesteps)
+
+    def world_state(self) -> dict[str, Any]:
+        """As `ModelBasedAlgorithm`'s, with the running mean of the gradients."""
+        return {**super().world_state(), "gradient_norm": self.norm_limit.mean}
+
+    def set_world_state(self, state: Mapping[str, Any]) -> None:
+        """Restore what `world_state` gave."""
+        super().set_world_state(state)
+        self.norm_limit.mean = state["gradient_norm"]
 
     def _excluded_save_params(self) -> list[str]:
         return [*super()._excluded_save_params(), "_worlds", "_rollouts", "motion"]

@@ -57,7 +57,7 @@ class Babble:
         rng: np.random.Generator,
         settings: BabbleSettings | None = None,
     ) -> None:
-        """Draw disturbances for `num_worlds` worlds whose actions drive `joints`, J of them."""
+        """Sample disturbances for `num_worlds` worlds whose actions drive `joints`, J of them."""
         self.settings, self._rng = settings or BabbleSettings(), rng
         self._right, self._left = _twins(joints)
         shape = (num_worlds, len(joints))
@@ -67,16 +67,16 @@ class Babble:
         self.restart(np.arange(num_worlds))
 
     def restart(self, ids: NDArray[np.integer]) -> None:
-        """Draw for new episodes of the worlds `ids`."""
+        """Sample for new episodes of the worlds `ids`."""
         n, settings, rng = len(ids), self.settings, self._rng
         self._ages[ids], self._noise[ids] = 0, 0
         self._white[ids] = rng.choice(settings.white, (n, 1))
         self._correlated[ids] = rng.choice(settings.correlated, (n, 1))
         self._share[ids] = rng.uniform(0.2, 1, (n, 1)) * (rng.random((n, 1)) < settings.wavy)
         self._replacing[ids] = rng.random((n, 1)) < 0.5
-        self._draw_waves(ids)
+        self._sample_waves(ids)
 
-    def _draw_waves(self, ids: NDArray[np.integer]) -> None:
+    def _sample_waves(self, ids: NDArray[np.integer]) -> None:
         """One rhythm for all joints of a world, some twice as fast; left legs and arms often mirror the right ones."""
         settings, rng = self.settings, self._rng
         shape = (len(ids), self._phase.shape[1])

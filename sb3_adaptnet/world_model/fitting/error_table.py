@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from sb3_adaptnet.world_model.fitting.fit import draw, open_loop
+from sb3_adaptnet.world_model.fitting.fit import open_loop, sample_starts
 from sb3_adaptnet.world_model.links import POSITION
 from sb3_adaptnet.world_model.model import WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions
@@ -62,7 +62,7 @@ def error_table(
     Raises:
         ValueError: if no episode is as long as the last horizon.
     """
-    starts = draw(held_out, horizons[-1], samples, np.random.default_rng(seed))
+    starts = sample_starts(held_out, horizons[-1], samples, np.random.default_rng(seed))
     world, heading = [], []
     for step, (_, links) in enumerate(open_loop(model, held_out, starts, horizons[-1]), start=1):
         if step in horizons:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from sb3_adaptnet.world_model.integration import change_between
 from sb3_adaptnet.world_model.links import POSITION, SPIN, VELOCITY
@@ -51,11 +52,11 @@ STAGES = (
 
 def set_statistics(model: WorldModel, data: Transitions, rng: np.random.Generator) -> None:
     """Normalise the model's inputs and changes by the data's."""
-    inputs, changes = one_step(model, data, draw(data, 1, STATISTICS_SAMPLES, rng))
+    inputs, changes = one_step(model, data, sample_starts(data, 1, STATISTICS_SAMPLES, rng))
     model.dynamics.set_statistics(inputs, changes)
 
 
-def draw(data: Transitions, steps: int, count: int, rng: np.random.Generator) -> np.ndarray:
+def sample_starts(data: Transitions, steps: int, count: int, rng: np.random.Generator) -> NDArray[np.integer]:
     """(count, 2) starts of windows of `steps` transitions, uniformly.
 
     Raises:
@@ -68,7 +69,7 @@ def draw(data: Transitions, steps: int, count: int, rng: np.random.Generator) ->
 
 
 @torch.no_grad()
-def one_step(model: WorldModel, data: Transitions, starts: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
+def one_step(model: WorldModel, data: Transitions, starts: NDArray[np.integer]) -> tuple[torch.Tensor, torch.Tensor]:
     """Inputs (n, I) and true changes (n, O) of the transitions at (n, 2) starts, on the model's device."""
     device = model.middles.device
     before, after = (data.states(starts, later).to(device) for later in (0, 1))
@@ -84,7 +85,7 @@ def one_step_loss(model: WorldModel, inputs: torch.Tensor, changes: torch.Tensor
 
 
 def open_loop(
-    model: WorldModel, data: Transitions, starts: np.ndarray, steps: int
+    model: WorldModel, data: Transitions, starts: NDArray[np.integer], steps: int
 ) -> Iterator[tuple[State, torch.Tensor]]:
     """States and link arrays (13, L, n) that the model expects 1 ... `steps` steps after (n, 2) starts."""
     device = model.middles.device
@@ -96,7 +97,7 @@ def open_loop(
         yield state, links
 
 
-def open_loop_loss(model: WorldModel, data: Transitions, starts: np.ndarray, steps: int) -> torch.Tensor:
+def open_loop_loss(model: WorldModel, data: Transitions, starts: NDArray[np.integer], steps: int) -> torch.Tensor:
     """Mean error () of links and joints over `steps` steps of the model's own predictions, in units of `SCALES`."""
     device = model.middles.device
     total = torch.zeros((), device=device)
@@ -116,7 +117,7 @@ def open_loop_loss(model: WorldModel, data: Transitions, starts: np.ndarray, ste
     return total / steps
 
 
-def loss_of(model: WorldModel, data: Transitions, starts: np.ndarray, steps: int) -> torch.Tensor:
+def loss_of(model: WorldModel, data: Transitions, starts: NDArray[np.integer], steps: int) -> torch.Tensor:
     """The loss () of windows of `steps` transitions from (n, 2) starts."""
     if steps == 1:
         return one_step_loss(model, *one_step(model, data, starts))
@@ -135,7 +136,7 @@ def fit(
         share = update / stage.updates
         for group in optimizer.param_groups:
             group["lr"] = stage.first_rate * (stage.last_rate / stage.first_rate) ** share
-        loss = loss_of(model, data, draw(data, stage.steps, stage.batch, rng), stage.steps)
+        loss = loss_of(model, data, sample_starts(data, stage.steps, stage.batch, rng), stage.steps)
         descend(model, optimizer, loss)
         yield float(loss.detach())
 

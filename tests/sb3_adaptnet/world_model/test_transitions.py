@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from world_cases import recorded
 
-from sb3_adaptnet.world_model.fitting.fit import draw
+from sb3_adaptnet.world_model.fitting.fit import sample_starts
 from sb3_adaptnet.world_model.transitions import Transitions
 
 
@@ -21,7 +21,7 @@ def test_windows_stay_within_episodes():
     assert {tuple(start) for start in data.starts(3)} == {(3, 0), (0, 1), (1, 1), (2, 1), (3, 1)}
     assert len(data.starts(1)) == 11
     with pytest.raises(ValueError, match="no episode of the data has 7 transitions"):
-        draw(data, 7, 1, np.random.default_rng(0))
+        sample_starts(data, 7, 1, np.random.default_rng(0))
 
 
 def test_worlds_are_held_out_whole(data):

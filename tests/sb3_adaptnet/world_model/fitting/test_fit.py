@@ -6,7 +6,7 @@ import torch
 from world_cases import CHARACTER, recorded
 
 from sb3_adaptnet.world_model.fitting.error_table import error_table
-from sb3_adaptnet.world_model.fitting.fit import Stage, draw, fit, set_statistics
+from sb3_adaptnet.world_model.fitting.fit import Stage, fit, sample_starts, set_statistics
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 
 
@@ -38,7 +38,7 @@ def test_a_fit_lowers_the_held_out_error(data, steps):
 def test_the_true_change_has_no_loss(data):
     """With a network that knows the answer both losses vanish: prediction and truth take the same path."""
     model = fresh(data).double()
-    starts = draw(data, 4, 8, np.random.default_rng(0))
+    starts = sample_starts(data, 4, 8, np.random.default_rng(0))
     for step in range(4):
         before, after = (data.states(starts, later).map(torch.Tensor.double) for later in (step, step + 1))
         residual = model.residual(before, after, data.actions_at(starts, step).double())
