@@ -12,6 +12,7 @@ from adapt_envs.drawing.world_view import SceneRenderer
 from adapt_envs.features.heading_frame import OBSERVATION_SIZE
 from adapt_envs.features.heightmap import SIZE
 from adapt_envs.features.observation_rows import Observations, put_rows, rows_of
+from adapt_envs.simulation.state_access import StateAccess
 from adapt_envs.simulation.worlds import Worlds
 from adapt_envs.spaces import JointSpace
 from adapt_envs.suite import EPISODE_STEPS, TaskSpec, configured
@@ -92,7 +93,7 @@ class Adjustable:
         self.worlds.goals.spread = float(share)
 
 
-class AdaptVectorEnv(Adjustable, gym.vector.VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]):
+class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]):
     """N worlds of one task, stepped together; ended worlds restart in the same step.
 
     The arrays that `reset` and `step` return are fresh at every call. `infos["final_obs"]` and `infos["final_info"]`

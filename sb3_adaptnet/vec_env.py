@@ -13,7 +13,8 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 import adapt_envs as adapt_envs  # registers the ids
-from adapt_envs.features.observation_rows import copied
+from adapt_envs.features.observation_rows import Observations, copied
+from adapt_envs.simulation.state_access import StateAccess
 
 NO_INFO: dict[str, Any] = {}
 """Info of every world that goes on, shared by them all; nobody writes into it."""
@@ -130,6 +131,32 @@ class AdaptVecEnv(VecEnv):
         }
         info = {"terminal_observation": observation, "TimeLimit.truncated": truncated, "episode": episode}
         return info if ends is None else {"end": str(ends[world]), **info}
+
+    def restart(self, worlds: NDArray[np.integer], starts: NDArray[np.integer] | None = None) -> Observations:
+        """End the episodes of some worlds (n,) before their time and begin others.
+
+        Args:
+            worlds: their numbers.
+            starts: numbers (n,) of the reference states to begin in; None samples them.
+
+        Returns:
+            First observations of these n worlds.
+        """
+        self._returns[worlds] = 0.0
+        self._lengths[worlds] = 0
+        return copied(self.simulation.restart(worlds, starts))
+
+    @property
+    def simulation(self) -> StateAccess:
+        """States, goals and reference motion of all worlds, for learners that model them.
+
+        Raises:
+            ValueError: if the worlds are not of this project.
+        """
+        worlds = self.vector_env.unwrapped
+        if not isinstance(worlds, StateAccess):
+            raise ValueError(f"{type(worlds).__name__} does not tell its worlds' states, as AdaptVectorEnv does")
+        return worlds
 
     def close(self) -> None:
         """Free the worlds."""

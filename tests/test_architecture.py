@@ -28,8 +28,12 @@ sb3_adaptnet.modules.layers
 sb3_adaptnet.modules
 sb3_adaptnet.modules.adaptation
 sb3_adaptnet.weights
+sb3_adaptnet.world_model
+sb3_adaptnet.world_model.fitting
 sb3_adaptnet.policies  sb3_adaptnet.vec_env
 sb3_adaptnet.objectives
+sb3_adaptnet.algorithms.tracking
+sb3_adaptnet.algorithms
 sb3_adaptnet.runs
 sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo
 sb3_adaptnet

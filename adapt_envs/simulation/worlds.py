@@ -43,6 +43,7 @@ class Worlds:
         pushes: the worlds' pushes, or None.
         rng: source of all randomness but the terrain's; replace it to seed.
         steps: (N,) control steps since the worlds' last reset.
+        starts: (N,) number of the start state that this reset took.
     """
 
     def __init__(self, spec: TaskSpec, num_worlds: int, num_threads: int | None = None) -> None:
@@ -60,6 +61,7 @@ class Worlds:
         self.pushes = None if spec.push is None else Pushes(spec.push, num_worlds)
         self.rng = np.random.default_rng()
         self.steps = np.zeros(num_worlds, np.int64)
+        self.starts = np.zeros(num_worlds, np.int64)
         self.history = np.zeros((num_worlds, WINDOW_FRAMES, len(LINKS), LINK_STATE), np.float32)
         self._all = np.arange(num_worlds)
         self._features = np.zeros_like(self.history)
@@ -89,12 +91,12 @@ class Worlds:
         """(N,) how little the feet slid in the last step, in (0, 1]; see `footing_reward`."""
         return footing_reward(self._features[..., :POSE], sole_corners(self.model))
 
-    def reset(self, ids: NDArray[np.integer], start: int | None = None) -> Observations:
+    def reset(self, ids: NDArray[np.integer], start: int | NDArray[np.integer] | None = None) -> Observations:
         """Restart the worlds `ids` from states of the motion with new goals; held goals stay held.
 
         Args:
             ids: (n,) worlds; all of them the first time.
-            start: number of the start state, below `reference.num_states`; None samples it.
+            start: number of the start state, below `reference.num_states`, or (n,) of them; None samples them.
 
         Returns:
             First observations of these n worlds.
@@ -104,7 +106,7 @@ class Worlds:
         qpos, qvel, history = self._placed(*self.reference.states(chosen))
         self.physics.set_states(ids, qpos, qvel)
         self.history[ids] = history
-        self.steps[ids] = 0
+        self.steps[ids], self.starts[ids] = 0, chosen
         if self.pushes is not None:
             self.pushes.restart(ids, self.rng)
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)

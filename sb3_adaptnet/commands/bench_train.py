@@ -106,7 +106,8 @@ class _Bench:
 
     def __init__(self, entry: Experiment, worlds: int, threads: int | None, plain: bool) -> None:
         env: Any = AdaptVecEnv(entry.env_id, worlds, threads, seed=0, stagger=True, **entry.env_kwargs)
-        settings = {**entry.ppo, "policy_kwargs": {**entry.ppo["policy_kwargs"], **(PLAIN if plain else {})}}
+        given = entry.arguments
+        settings = {**given, "policy_kwargs": {**given["policy_kwargs"], **(PLAIN if plain else {})}}
         self.model: Any = PPO(entry.policy, env, seed=0, **settings)
         self.callback, self.plain = _callback(entry), plain
         if plain:

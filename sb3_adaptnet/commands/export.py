@@ -63,7 +63,7 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
     entry = folder.experiment
     worlds = make_worlds(replace(folder.settings, n_envs=1), entry)
     policy: Any = entry.policy(
-        worlds.observation_space, worlds.action_space, ConstantSchedule(0.0), **entry.ppo["policy_kwargs"]
+        worlds.observation_space, worlds.action_space, ConstantSchedule(0.0), **entry.arguments["policy_kwargs"]
     )
     policy.load_state_dict(state["policy"])
     spec = task_of(worlds)
@@ -94,7 +94,7 @@ def clip_of(motion: str | None, output: Path) -> dict[str, Any]:
 def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec | None) -> dict[str, Any]:
     """Entries of the card: where the weights come from and what training reported at its end."""
     settings = folder.settings
-    policy_kwargs = dict(entry.ppo["policy_kwargs"])
+    policy_kwargs = dict(entry.arguments["policy_kwargs"])
     if policy_kwargs.get("base") is not None:  # its name: where the file lay means nothing elsewhere
         policy_kwargs["base"] = Path(policy_kwargs["base"]).name.removesuffix(WEIGHT_SUFFIX)
     training = {
@@ -102,7 +102,7 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec |
         "seed": settings.seed,
         "worlds": settings.n_envs or entry.n_envs,
         "policy": public_path(entry.policy),
-        "ppo": {**entry.ppo, "policy_kwargs": policy_kwargs},
+        entry.algorithm: {**entry.arguments, "policy_kwargs": policy_kwargs},
         "callbacks": [{cls.__name__: kwargs} for cls, kwargs in entry.callbacks],
         TRAINING_MEANS: means_of(read_rows(folder.progress, samples)[-LAST_ROLLOUTS:]),
     }

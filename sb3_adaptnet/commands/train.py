@@ -3,13 +3,13 @@
 import argparse
 from typing import Any
 
-from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.runs.experiment import ALGORITHMS, experiment
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
-FROM_SCRATCH_ONLY = ("seed", "conf_file", "base", "motion", "n_envs", "run_dir")
+FROM_SCRATCH_ONLY = ("seed", "algo", "conf_file", "base", "world_model", "motion", "n_envs", "run_dir")
 """Options that a resumed run cannot change."""
 
 
@@ -21,6 +21,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("env_id", metavar="ID", nargs="?", help="environment, as in AdaptNet/Humanoid-Stoop-v0")
     words = "YAML file with an entry for ID, or a shipped one's name: ppo (default), paper, continue or finetune"
     parser.add_argument("--conf-file", help=words)
+    parser.add_argument("--algo", choices=list(ALGORITHMS), help="default ppo; each has a YAML file of its name")
+    parser.add_argument("--world-model", metavar="FILE", help="of svg; default: the one beside the base")
     parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")
     parser.add_argument("--seed", type=int, help="default 0")
     parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder")
@@ -65,7 +67,8 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
     """
     if options.env_id is None:
         raise ValueError("name an environment, as in AdaptNet/Humanoid-Stoop-v0, or a run with --resume")
-    entry = experiment(options.env_id, options.base, options.conf_file)
+    algo = options.algo or "ppo"
+    entry = experiment(options.env_id, options.base, options.conf_file, algo)
     return RunSettings(
         env_id=options.env_id,
         samples=options.samples or entry.samples,
@@ -76,6 +79,8 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
         n_envs=options.n_envs,
         device=options.device or "cpu",
         threads=options.threads,
+        algo=algo,
+        world_model=options.world_model,
     )
 
 

@@ -10,20 +10,21 @@ from typing import Any
 
 import yaml
 from stable_baselines3 import PPO
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
+from sb3_adaptnet.algorithms.svg import SVG
 from sb3_adaptnet.weights.shipped import zoo_config_path
 
-DEFAULT_CONF = "ppo"
-"""Configuration that is read where none is named."""
+ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "svg": SVG}
+"""Algorithms by name; the configuration that is read where none is named has the same name."""
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """Reads plain values alone, in C where libyaml is there."""
 FALLBACK = "default"
 """Entry for ids that are not named in the file, as in rl_zoo3."""
 RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")
-"""Keys of an entry that belong to the run, not to PPO."""
+"""Keys of an entry that belong to the run, not to the algorithm."""
 NOT_FROM_YAML = ("self", "env", "policy", "_init_setup_model")
-PPO_KEYS = tuple(name for name in inspect.signature(PPO.__init__).parameters if name not in NOT_FROM_YAML)
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ class Experiment:
     Attributes:
         env_id: environment it is for.
         policy: the policy class.
-        ppo: keyword arguments of `PPO` besides policy and environment, with `policy_kwargs`.
+        algorithm: name of the algorithm in `ALGORITHMS`.
+        arguments: its keyword arguments besides policy and environment, with `policy_kwargs`.
         n_envs: worlds.
         samples: control steps over all worlds to train for.
         callbacks: (class, keyword arguments) in order.
@@ -42,7 +44,8 @@ class Experiment:
 
     env_id: str
     policy: type
-    ppo: dict[str, Any]
+    algorithm: str
+    arguments: dict[str, Any]
     n_envs: int
     samples: int
     callbacks: tuple[tuple[type, dict[str, Any]], ...]
@@ -53,22 +56,25 @@ class Experiment:
         return [cls(**kwargs) for cls, kwargs in self.callbacks]
 
 
-def hyperparameters(env_id: str, base: str | None = None, conf_file: str | Path | None = None) -> dict[str, Any]:
-    """Return PPO's keyword arguments for an environment from the zoo's YAML entry.
+def hyperparameters(
+    env_id: str, base: str | None = None, conf_file: str | Path | None = None, algo: str = "ppo"
+) -> dict[str, Any]:
+    """Return an algorithm's keyword arguments for an environment from the zoo's YAML entry.
 
     Args:
         env_id: such as "AdaptNet/Humanoid-Stoop-v0".
         base: name or file of the base to adapt; None keeps the entry's.
-        conf_file: YAML file, or the name of a shipped one; default "ppo".
+        conf_file: YAML file, or the name of a shipped one; default: the algorithm's.
+        algo: "ppo" or "svg".
 
     Returns:
         `n_steps`, `batch_size`, `policy_kwargs` and so on, a fresh dict.
 
     Raises:
         ValueError: if the file is unknown, it has neither an entry for the id nor a `default`, or the entry holds a key
-            that nothing reads.
+            that nothing reads; for an unknown algorithm.
     """
-    return dict(experiment(env_id, base, conf_file).ppo)
+    return dict(experiment(env_id, base, conf_file, algo).arguments)
 
 
 def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
@@ -84,12 +90,17 @@ def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCall
     return experiment(env_id, conf_file=conf_file).make_callbacks()
 
 
-def experiment(env_id: str, base: str | None = None, conf_file: str | Path | None = None) -> Experiment:
+def experiment(
+    env_id: str, base: str | None = None, conf_file: str | Path | None = None, algo: str = "ppo"
+) -> Experiment:
     """Read and check the whole entry of an environment; arguments and errors as `hyperparameters`."""
-    file = conf_path(conf_file)
+    if algo not in ALGORITHMS:
+        raise ValueError(f"there is no algorithm {algo!r}; there are: {', '.join(ALGORITHMS)}")
+    file = conf_path(algo if conf_file is None else conf_file)
     entry = read_entry(file, env_id)
     where = f"{file.name}: {env_id}"
-    _refuse_unknown(where, entry, (*PPO_KEYS, *RUN_KEYS))
+    keys = tuple(name for name in inspect.signature(ALGORITHMS[algo]).parameters if name not in NOT_FROM_YAML)
+    _refuse_unknown(where, entry, (*keys, *RUN_KEYS))
     for key in ("policy", "n_envs", "n_timesteps"):
         if key not in entry:
             raise ValueError(f"{where}: the entry lacks {key!r}")
@@ -98,11 +109,12 @@ def experiment(env_id: str, base: str | None = None, conf_file: str | Path | Non
     if base is not None:
         policy_kwargs["base"] = base
     _refuse_unknown(f"{where}: policy_kwargs", policy_kwargs, arguments_of(policy))
-    ppo = {key: _number(where, key, value) for key, value in entry.items() if key in PPO_KEYS}
+    arguments = {key: _number(where, key, value) for key, value in entry.items() if key in keys}
     return Experiment(
         env_id=env_id,
         policy=policy,
-        ppo={**ppo, "policy_kwargs": policy_kwargs},
+        algorithm=algo,
+        arguments={**arguments, "policy_kwargs": policy_kwargs},
         n_envs=int(entry["n_envs"]),
         samples=int(float(entry["n_timesteps"])),
         callbacks=tuple(_callbacks(where, entry.get("callback"))),
@@ -110,14 +122,12 @@ def experiment(env_id: str, base: str | None = None, conf_file: str | Path | Non
     )
 
 
-def conf_path(conf_file: str | Path | None) -> Path:
+def conf_path(conf_file: str | Path) -> Path:
     """Find a YAML file by path or shipped name.
 
     Raises:
         ValueError: if there is neither such a file nor such a name.
     """
-    if conf_file is None:
-        return zoo_config_path(DEFAULT_CONF)
     if Path(conf_file).is_file():
         return Path(conf_file)
     if Path(conf_file).suffix in (".yml", ".yaml") and len(Path(conf_file).parts) > 1:

@@ -3,14 +3,12 @@
 import sys
 import time
 from collections.abc import Sequence
-from typing import Protocol, cast, runtime_checkable
+from typing import Protocol, runtime_checkable
 
-from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from tqdm import tqdm
 
 from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
-from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.history import Row, append_row, read_rows, reward_column, write_rows
 from sb3_adaptnet.runs.run_folder import RunFolder
@@ -28,7 +26,20 @@ SHOWN = (
     ("imitation", "imitation_reward", "{:+.3f}"),
     ("falls/min", "falls_per_minute", "{:.2f}"),
     ("length", "episode_length", "{:.0f}"),
+    ("off by [m]", "tracking_error", "{:.3f}"),
 )
+
+
+class MetricsSource(Protocol):
+    """What reports the numbers of every rollout.
+
+    Attributes:
+        objectives: names of the rewards.
+        metrics: name -> mean over the last rollout.
+    """
+
+    objectives: tuple[str, ...]
+    metrics: dict[str, float]
 
 
 @runtime_checkable
@@ -50,31 +61,33 @@ class RunProgress(BaseCallback):
     def __init__(
         self,
         folder: RunFolder,
-        discriminators: DiscriminatorRewardCallback,
+        source: MetricsSource,
         ramps: Sequence[AttributeRamp] = (),
         measuring: Sequence[Measuring] = (),
         seconds: float = 0.0,
         quiet: bool = False,
+        metrics: Sequence[str] = METRICS,
         line_seconds: float = 60.0,
     ) -> None:
         """Prepare.
 
         Args:
             folder: the run's.
-            discriminators: where the numbers come from.
+            source: where the numbers come from.
             ramps: attributes of the worlds that change meanwhile; each gets a column.
             measuring: further callbacks with columns; they stand before this one.
             seconds: training time that went before (of a resumed run).
             quiet: neither bar nor lines.
+            metrics: names of the source's numbers besides rewards; each gets a column.
             line_seconds: time between two lines where there is no terminal.
         """
         super().__init__()
-        self.folder, self.discriminators = folder, discriminators
+        self.folder, self.source = folder, source
         self.seconds, self.quiet, self.line_seconds = seconds, quiet, line_seconds
         self.ramps, self.measuring, self.rows = ramps, measuring, list[Row]()
-        rewards = [reward_column(name) for name in discriminators.objectives]
+        rewards = [reward_column(name) for name in source.objectives]
         measured = [column for callback in measuring for column in callback.columns]
-        self.columns = (*TIMES, *rewards, *METRICS, *(ramp.attribute for ramp in ramps), *measured)
+        self.columns = (*TIMES, *rewards, *metrics, *(ramp.attribute for ramp in ramps), *measured)
 
     def _init_callback(self) -> None:
         self._clock = time.monotonic()
@@ -96,8 +109,8 @@ class RunProgress(BaseCallback):
         now = time.monotonic()
         spent, self._clock = now - self._clock, now
         self.seconds += spent
-        batch = cast(PPO, self.model).n_steps * self.training_env.num_envs
-        metrics = self.discriminators.metrics
+        batch = self.model.n_steps * self.training_env.num_envs  # type: ignore[attr-defined]  # PPO and SVG have steps
+        metrics = self.source.metrics
         row: Row = {"samples": self.num_timesteps, "seconds": round(self.seconds, 2)}
         row["samples_per_second"] = round(batch / max(spent, 1e-9), 1)
         row.update({name: metrics[name] for name in self.columns if name in metrics})

@@ -26,12 +26,14 @@ class RunSettings:
         env_id: environment.
         samples: control steps over all worlds to reach.
         seed: seed of networks, worlds and orders.
-        conf_file: YAML file or shipped name; None for "ppo".
+        conf_file: YAML file or shipped name; None for the algorithm's.
         base: base to adapt, name or file; None for the entry's.
         motion: clip or file for environments that take `motion=`.
         n_envs: worlds; None for the entry's.
         device: "cpu" or "cuda".
         threads: threads of physics and networks; None for all cores.
+        algo: the algorithm, "ppo" or "svg".
+        world_model: file of SVG's world model; None for the entry's.
     """
 
     env_id: str
@@ -43,6 +45,8 @@ class RunSettings:
     n_envs: int | None = None
     device: str = "cpu"
     threads: int | None = None
+    algo: str = "ppo"
+    world_model: str | None = None
 
 
 class RunFolder:
@@ -71,7 +75,7 @@ class RunFolder:
         Raises:
             ValueError: if the path holds a run already, or there is no entry for what it shall train on.
         """
-        entry = read_entry(conf_path(settings.conf_file), settings.env_id)
+        entry = read_entry(conf_path(settings.conf_file or settings.algo), settings.env_id)
         folder = cls(Path(path) if path is not None else next_path(settings.env_id), settings)
         if (folder.path / "run.json").exists():
             raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
@@ -96,7 +100,7 @@ class RunFolder:
         if not file.is_file():
             raise ValueError(f"no training run at {path}: it has no run.json")
         try:
-            values = json.loads(file.read_text(encoding="utf-8"))
+            values = {"algo": "ppo", "world_model": None, **json.loads(file.read_text(encoding="utf-8"))}
             settings = RunSettings(**{f.name: values[f.name] for f in fields(RunSettings)})
             if settings.motion == MOTION:
                 settings = replace(settings, motion=str(folder / MOTION))
@@ -111,7 +115,7 @@ class RunFolder:
         Raises:
             ValueError: if that was removed or damaged.
         """
-        return experiment(self.settings.env_id, self.settings.base, self.config)
+        return experiment(self.settings.env_id, self.settings.base, self.config, self.settings.algo)
 
     def write_settings(self, settings: RunSettings) -> None:
         """Write `run.json`; a clip in the folder is named without the folder, which may move."""

@@ -7,6 +7,7 @@ from typing import Any
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
+from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder
@@ -78,6 +79,7 @@ def snapshot(
         "optimizer": model.policy.optimizer.state_dict(),
         "imitation": state["imitation"],
         "order": json.dumps(state["rng"]),
+        "world": model.world_state() if isinstance(model, ModelBasedAlgorithm) else None,
         "random": random_states(),
     }
 
@@ -91,4 +93,6 @@ def restore(model: BaseAlgorithm, discriminators: DiscriminatorRewardCallback | 
     learner._n_updates = int(state["updates"])
     if discriminators is not None:
         discriminators.load_state_dict({"imitation": state["imitation"], "rng": json.loads(state["order"])})
+    if isinstance(model, ModelBasedAlgorithm):
+        model.set_world_state(state["world"])
     restore_random_states(state["random"])

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from stable_baselines3 import PPO
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import configure
 
@@ -16,10 +16,11 @@ from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
-from sb3_adaptnet.runs.experiment import Experiment, experiment
-from sb3_adaptnet.runs.progress import Measuring, RunProgress
+from sb3_adaptnet.runs.experiment import ALGORITHMS, Experiment, experiment
+from sb3_adaptnet.runs.progress import METRICS, Measuring, RunProgress
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.saver import RunSaver
+from sb3_adaptnet.runs.tracking_metrics import TRACKING_METRICS, TrackingMetrics
 from sb3_adaptnet.runs.worlds import make_worlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
@@ -30,14 +31,14 @@ class Learner:
 
     Attributes:
         vec_env: the worlds.
-        model: PPO with a policy of this package.
-        discriminators: the callback that makes it multi-objective.
+        model: PPO or SVG with a policy of this package.
+        discriminators: the callback that makes PPO multi-objective; None for SVG.
         others: further callbacks of the entry.
     """
 
     vec_env: AdaptVecEnv
-    model: PPO
-    discriminators: DiscriminatorRewardCallback
+    model: BaseAlgorithm
+    discriminators: DiscriminatorRewardCallback | None
     others: list[BaseCallback]
 
 
@@ -57,14 +58,18 @@ def build_learner(
     """
     if settings.threads is not None:
         torch.set_num_threads(settings.threads)
-    entry = entry or experiment(settings.env_id, settings.base, settings.conf_file)
+    entry = entry or experiment(settings.env_id, settings.base, settings.conf_file, settings.algo)
     env = make_worlds(settings, entry, **overrides)
-    model = PPO(entry.policy, env, seed=settings.seed, device=settings.device, **entry.ppo)
+    given = {} if settings.world_model is None else {"world_model": settings.world_model}
+    algorithm: Any = ALGORITHMS[entry.algorithm]
+    model = algorithm(entry.policy, env, seed=settings.seed, device=settings.device, **{**entry.arguments, **given})
     env.seed(settings.seed + samples_done)
     callbacks = entry.make_callbacks()
     discriminators = next((c for c in callbacks if isinstance(c, DiscriminatorRewardCallback)), None)
     others = [c for c in callbacks if c is not discriminators]
-    return Learner(env, model, discriminators or DiscriminatorRewardCallback(), others)
+    if discriminators is None and entry.algorithm == "ppo":
+        discriminators = DiscriminatorRewardCallback()
+    return Learner(env, model, discriminators, others)
 
 
 def start(
@@ -114,11 +119,13 @@ def learn(
     saver = RunSaver(folder, discriminators, minutes, state)
     ramps = [callback for callback in learner.others if isinstance(callback, AttributeRamp)]
     measuring = [callback for callback in learner.others if isinstance(callback, Measuring)]
-    progress = RunProgress(folder, discriminators, ramps, measuring, saver.seconds, quiet)
+    metrics = discriminators or TrackingMetrics()
+    names = METRICS if discriminators is not None else TRACKING_METRICS
+    progress = RunProgress(folder, metrics, ramps, measuring, saver.seconds, quiet, names)
     done = int(state["samples"]) if state else 0
     model.num_timesteps = done
     model.set_logger(configure(str(folder.path), ["tensorboard"]))
-    callbacks = CallbackList([discriminators, *learner.others, CurveDrawer(progress), progress, saver])
+    callbacks = CallbackList([metrics, *learner.others, CurveDrawer(progress), progress, saver])
     with stopping(saver):
         model.learn(max(folder.settings.samples - done, 0), callback=callbacks, reset_num_timesteps=False)
     saver.save()

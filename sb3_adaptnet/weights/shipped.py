@@ -4,6 +4,8 @@ from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 WEIGHT_SUFFIX = ".safetensors"
+WORLD_SUFFIX = ".world.safetensors"
+"""How names of world models end; each lies beside the base that it was fitted with."""
 
 
 def _folders(relative: str) -> tuple[Path, Path]:
@@ -13,7 +15,7 @@ def _folders(relative: str) -> tuple[Path, Path]:
 def pretrained_names() -> list[str]:
     """Names of the shipped bases and adaptations, sorted."""
     files = (file for folder in _folders("assets/pretrained") for file in folder.glob(f"*{WEIGHT_SUFFIX}"))
-    return sorted({file.stem for file in files})
+    return sorted({file.stem for file in files if not file.name.endswith(WORLD_SUFFIX)})
 
 
 def pretrained_path(name: str) -> Path:

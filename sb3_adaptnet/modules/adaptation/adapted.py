@@ -1,7 +1,8 @@
 """AdaptNet: a frozen base, one or more adaptations of it, and how much of each acts (paper, secs. 4, 5 and 8.1)."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import islice
 from typing import NamedTuple, cast
 
@@ -91,6 +92,7 @@ class AdaptedActor(Actor):
         self.weights = dict.fromkeys(adaptations, 1.0)
         self.alpha = 1.0
         self.penalties = penalties or Penalties()
+        self._layers: list[tuple[torch.Tensor, torch.Tensor]] | None = None  # summed, within `one_update`
 
     def parts(self) -> dict[str, Adaptation]:
         """The adaptations by name."""
@@ -120,6 +122,8 @@ class AdaptedActor(Actor):
 
         One product with the summed weights equals the base's plus the adaptors' outputs (eq. 8) and is cheaper.
         """
+        if self._layers is not None:
+            return self._layers
         base_layers = cast(list[nn.Linear], self.base.layers)
         layers: list[tuple[torch.Tensor, torch.Tensor]] = [(layer.weight, layer.bias) for layer in base_layers]
         for scale, adaptation in self.active():
@@ -127,6 +131,17 @@ class AdaptedActor(Actor):
                 old_weight, old_bias = layers[index]
                 layers[index] = (old_weight.add(weight, alpha=scale), old_bias.add(bias, alpha=scale))
         return layers
+
+    @contextmanager
+    def one_update(self, passes: int) -> Iterator[None]:
+        """Sum the layers once for all `passes`, and penalise the mean of their injections."""
+        penalties = self.penalties
+        self._layers = self.hidden_layers()
+        self.penalties = penalties._replace(beta=penalties.beta / passes)
+        try:
+            yield
+        finally:
+            self._layers, self.penalties = None, penalties
 
     def injections(self, observation: Observation, base_latent: torch.Tensor) -> dict[int, torch.Tensor]:
         """Latent space index -> sum of the scaled offsets of all active adaptations (eq. 4)."""

@@ -125,21 +125,27 @@ class _LastState(torch.autograd.Function):
     @once_differentiable
     def backward(ctx: Any, grad: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
         tape = _Tape(*ctx.saved_tensors)
-        steps, batch, width = tape.inputs.shape
-        size = tape.states.shape[2]
         grads, hidden_grads = _run_back(tape, grad.to(tape.inputs.dtype, copy=True).contiguous())
-        flat = grads.view(steps * batch, 3 * size)
-        d_input = torch.mm(flat.t(), tape.inputs.view(steps * batch, width)).float()
-        before = tape.states[:-1].reshape(-1, size)
-        d_hidden = torch.cat((flat[batch:, : 2 * size].t() @ before, hidden_grads[1:].view(-1, size).t() @ before))
-        d_bias = d_input[:, -1].contiguous()
-        ones = hidden_grads.new_ones(1, steps * batch)  # a product sums bfloat16 in float32
-        d_candidate_bias = (ones @ hidden_grads.view(steps * batch, size))[0].float()
         d_frames = None
         if ctx.needs_input_grad[0]:
             d_frames = (grads @ tape.input_weight[:, :-1]).transpose(0, 1).float()
-        d_hidden_bias = torch.cat((d_bias[: 2 * size], d_candidate_bias))
-        return d_frames, d_input[:, :-1], d_hidden.float(), d_bias, d_hidden_bias, None
+        frozen = not any(ctx.needs_input_grad[1:])
+        return d_frames, *((None,) * 4 if frozen else _weight_gradients(tape, grads, hidden_grads)), None
+
+
+def _weight_gradients(tape: _Tape, grads: torch.Tensor, hidden_grads: torch.Tensor) -> tuple[torch.Tensor, ...]:
+    """Gradients of the input weight, the hidden weight and their biases from what `_run_back` gives."""
+    steps, batch, width = tape.inputs.shape
+    size = tape.states.shape[2]
+    flat = grads.view(steps * batch, 3 * size)
+    d_input = torch.mm(flat.t(), tape.inputs.view(steps * batch, width)).float()
+    before = tape.states[:-1].reshape(-1, size)
+    d_hidden = torch.cat((flat[batch:, : 2 * size].t() @ before, hidden_grads[1:].view(-1, size).t() @ before))
+    d_bias = d_input[:, -1].contiguous()
+    ones = hidden_grads.new_ones(1, steps * batch)  # a product sums bfloat16 in float32
+    d_candidate_bias = (ones @ hidden_grads.view(steps * batch, size))[0].float()
+    d_hidden_bias = torch.cat((d_bias[: 2 * size], d_candidate_bias))
+    return d_input[:, :-1], d_hidden.float(), d_bias, d_hidden_bias
 
 
 def last_state(frames: torch.Tensor, gru: torch.nn.GRU) -> torch.Tensor:

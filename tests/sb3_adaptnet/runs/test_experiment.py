@@ -18,8 +18,8 @@ from sb3_adaptnet.weights.shipped import zoo_config_path
 def test_every_environment_has_an_entry(file, name):
     entry = experiment(env_id(name), conf_file=file)
     assert entry.n_envs == 512 and entry.samples >= 1_000_000
-    assert entry.ppo["gamma"] == {"ppo": 0.98, "paper": 0.95}[file]
-    assert entry.ppo["gae_lambda"] == 0.95 and entry.ppo["clip_range"] == 0.2
+    assert entry.arguments["gamma"] == {"ppo": 0.98, "paper": 0.95}[file]
+    assert entry.arguments["gae_lambda"] == 0.95 and entry.arguments["clip_range"] == 0.2
     (_, callback), *_ = entry.callbacks
     for samples in (0, entry.samples):
         weights = [value_at(weight, samples) for weight in callback["objective_weights"].values()]
@@ -46,9 +46,9 @@ def test_finetuning_differs_from_adapting_by_its_policy_alone():
 @pytest.mark.parametrize("name", ["Walk", "Run"])
 def test_bases_can_be_continued_by_the_recipe_they_were_made_by(name):
     on, again = (experiment(env_id(name), conf_file=file) for file in ("continue", "ppo"))
-    assert on.policy is FinetunePolicy and "base" not in on.ppo["policy_kwargs"]  # the environment's default
+    assert on.policy is FinetunePolicy and "base" not in on.arguments["policy_kwargs"]  # the environment's default
     assert on.n_envs == again.n_envs
-    assert {**on.ppo, "policy_kwargs": None} == {**again.ppo, "policy_kwargs": None}
+    assert {**on.arguments, "policy_kwargs": None} == {**again.arguments, "policy_kwargs": None}
 
 
 def test_entries_for_ids_are_explicit_in_ppo_yml():

@@ -52,8 +52,8 @@ def test_a_run_keeps_the_settings_it_began_with(tmp_path):
     folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
     conf(tmp_path, n_steps=4, batch_size=16)  # the file changes afterwards
     assert (
-        folder.experiment.ppo["n_steps"] == 8
-        and experiment(TOY, conf_file=conf(tmp_path, n_steps=4)).ppo["n_steps"] == 4
+        folder.experiment.arguments["n_steps"] == 8
+        and experiment(TOY, conf_file=conf(tmp_path, n_steps=4)).arguments["n_steps"] == 4
     )
     Path(folder.settings.conf_file).unlink()
     resume(folder.path, 128, quiet=True)

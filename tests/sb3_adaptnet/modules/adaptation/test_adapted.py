@@ -155,3 +155,18 @@ def test_penalties_do_not_change_the_output():
     mean = actor(observation())[0]
     actor.penalties = NO_PENALTY
     assert torch.equal(actor(observation())[0], mean)
+
+
+def test_one_update_of_many_passes_has_the_gradient_of_one():
+    """The mean over passes of the same batch has the same gradient as one pass, penalties included."""
+    actor, batch = adapt(make_base(), SHAPES["adaptnet"], Penalties(0.3, 0.2)), observation()
+    disturb(actor.adaptations)
+
+    def gradient(passes):
+        actor.zero_grad()
+        with actor.one_update(passes):
+            torch.stack([actor(batch)[0].square().mean() for _ in range(passes)]).mean().backward()
+        return torch.cat([p.grad.flatten() for p in actor.parameters() if p.grad is not None])
+
+    assert torch.allclose(gradient(5), gradient(1), rtol=1e-4, atol=1e-7)
+    assert actor.penalties == Penalties(0.3, 0.2)

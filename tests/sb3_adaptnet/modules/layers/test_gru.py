@@ -35,3 +35,12 @@ def test_gru_in_bfloat16_is_close_and_differentiable():
     gru.zero_grad()
     gru(frames)[1][0].square().sum().backward()
     assert (found - gru.weight_hh_l0.grad).norm() < 0.03 * gru.weight_hh_l0.grad.norm()
+
+
+def test_a_frozen_gru_hands_on_the_gradient_of_its_input():
+    gru = nn.GRU(7, 5, batch_first=True).double()
+    frames = torch.randn(4, 3, 7, dtype=torch.float64, requires_grad=True)
+    wanted = torch.autograd.grad(last_state(frames, gru).square().sum(), frames)[0]
+    last_state(frames, gru.requires_grad_(False)).square().sum().backward()
+    assert torch.allclose(frames.grad, wanted)
+    assert all(p.grad is None for p in gru.parameters())

@@ -1,0 +1,134 @@
+"""Backpropagation through time along real rollouts: the model is used for its slopes alone (Heess et al. 2015)."""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import torch
+
+from sb3_adaptnet.algorithms.real_rollout import RealRollout, moving
+from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES
+from sb3_adaptnet.world_model.links import HeadingView, from_observed, to_observed
+from sb3_adaptnet.world_model.model import WorldModel
+from sb3_adaptnet.world_model.state import State
+
+MeanAction = Callable[[torch.Tensor], torch.Tensor]
+"""Observations (B, 784) -> mean actions (B, J), differentiable."""
+_NO_DIRECTION = 0.01
+"""Closer than this [m] a target has no direction, as in the environments."""
+
+
+class Guided(NamedTuple):
+    """What the worlds should look like after a step; as in `RealRollout`, for one step.
+
+    Attributes:
+        phases: (B,) of the reference motion.
+        headings: (B,) of the guides [rad], world.
+        turn_rates: (B,) [rad/s].
+        speeds: (B,) preferred [m/s].
+        weights: (B,) 1 where the episode went on, else 0.
+    """
+
+    phases: torch.Tensor
+    headings: torch.Tensor
+    turn_rates: torch.Tensor
+    speeds: torch.Tensor
+    weights: torch.Tensor
+
+
+class Imagined(NamedTuple):
+    """A step through the model.
+
+    Attributes:
+        state: after it.
+        view: the last frames after it, heading frame.
+        actions: (B, J) mean actions that led there.
+        guided: what it should look like.
+    """
+
+    state: State
+    view: HeadingView
+    actions: torch.Tensor
+    guided: Guided
+
+
+def goal_features(view: HeadingView, position: torch.Tensor, target: torch.Tensor, speed: torch.Tensor) -> torch.Tensor:
+    """The goal's part of the observation, as the environments compute it.
+
+    Args:
+        view: for the heading.
+        position: (3, B) of the root [m], world.
+        target: (B, 2) of the goal [m], world.
+        speed: (B,) preferred [m/s].
+
+    Returns:
+        (B, 4): unit direction in the heading frame (zero below 1 cm), distance [m], speed [m/s].
+    """
+    x, y = target.t() - position[:2]
+    distance = torch.sqrt((x * x + y * y).clamp_min(1e-12))
+    scale = torch.where(distance < _NO_DIRECTION, 0.0, 1 / distance.clamp_min(_NO_DIRECTION))
+    ahead, aside = view.cos * x + view.sin * y, view.cos * y - view.sin * x
+    return torch.stack((ahead * scale, aside * scale, distance, speed), dim=1)
+
+
+def imagine(
+    mean_action: MeanAction,
+    model: WorldModel,
+    rollout: RealRollout,
+    start: int,
+    steps: int,
+    tame: Callable[[torch.Tensor], torch.Tensor] = lambda part: part,
+) -> Iterator[Imagined]:
+    """Act again through a window of a real rollout, with the real noise, and with each real step's residual added.
+
+    While the policy is the one that acted, the imagined states are the real ones.
+
+    Args:
+        mean_action: the policy.
+        model: a frozen world model.
+        rollout: the rollout.
+        start: first step of the window.
+        steps: its length.
+        tame: attached to each part of the states, for their gradients.
+
+    Yields:
+        Each step.
+    """
+    device = model.middles.device
+    alive = rollout.alive(start, steps)
+    residuals = _residuals(model, rollout, start, steps) * moving(alive, device).unsqueeze(-1)
+    data = rollout.transitions
+    state = State.from_mujoco(moving(data.qpos[start], device), moving(data.qvel[start], device))
+    frames = [from_observed(moving(frame, device)) for frame in rollout.frames[start].swapaxes(0, 1)]
+    view = model.view(torch.cat(frames, dim=1))
+    for step in range(steps):
+        at = start + step
+        target, speed = moving(rollout.targets[at], device), moving(rollout.speeds[at], device)
+        goal = goal_features(view, state.position, target, speed)
+        mean = mean_action(torch.cat((to_observed(view.links), goal), dim=1))
+        actions = (mean + moving(rollout.noise[at], device)).clamp(-1, 1)
+        state = model.step(state, view, actions, residuals[step]).map(tame)
+        frames = [*frames[1 - OBSERVED_FRAMES :], model.kinematics(state)]
+        view = model.view(torch.cat(frames, dim=1))
+        yield Imagined(state, view, mean, _guided(rollout, at, speed, moving(alive[step], device)))
+
+
+def _guided(rollout: RealRollout, at: int, speed: torch.Tensor, alive: torch.Tensor) -> Guided:
+    phases, headings, rates = (
+        moving(part[at], speed.device) for part in (rollout.phases, rollout.headings, rollout.turn_rates)
+    )
+    return Guided(phases, headings, rates, speed, alive.to(speed.dtype))
+
+
+def _residuals(model: WorldModel, rollout: RealRollout, start: int, steps: int) -> torch.Tensor:
+    """(steps, N, O) what each real step changed beyond what the model expects; without meaning where one ended."""
+    data, device = rollout.transitions, model.middles.device
+    worlds = data.num_worlds
+    before, after = (
+        State.from_mujoco(
+            moving(data.qpos[first : first + steps].reshape(steps * worlds, -1), device),
+            moving(data.qvel[first : first + steps].reshape(steps * worlds, -1), device),
+        )
+        for first in (start, start + 1)
+    )
+    actions = moving(data.actions[start : start + steps].reshape(steps * worlds, -1), device)
+    return model.residual(before, after, actions).view(steps, worlds, -1)

@@ -1,0 +1,128 @@
+"""An algorithm that learns a policy of this package together with a world model, from an `AdaptVecEnv`."""
+
+import copy
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import torch
+from gymnasium import spaces
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.type_aliases import GymEnv
+from stable_baselines3.common.utils import FloatSchedule
+
+from sb3_adaptnet.algorithms.model_refresh import fitted_to
+from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
+from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.policies.space_contract import default_base
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.world_model.character import Character
+from sb3_adaptnet.world_model.model import Sizes, WorldModel
+from sb3_adaptnet.world_model.world_file import beside_base, read_world
+
+ADAM = {"eps": 1e-8, "betas": (0.9, 0.98)}
+"""The policy's optimiser: gradients are small, and a rollout's windows resemble each other."""
+
+
+class ModelBasedAlgorithm(BaseAlgorithm):
+    """Builds, saves and loads what a model-based learner consists of; how it learns is a subclass's matter.
+
+    Attributes:
+        world_model: the model, refreshed while the policy learns.
+        world_optimizer: Adam for the model.
+        rng: source of all randomness but the networks' first weights and the worlds.
+    """
+
+    policy: ObjectivePolicy
+    world_model: WorldModel
+    world_optimizer: torch.optim.Optimizer
+
+    def __init__(
+        self,
+        policy: type[ObjectivePolicy],
+        env: GymEnv | None,
+        world_model: str | Path | WorldModel | None,
+        learning_rate: Schedule,
+        model_refresh: ModelRefresh,
+        policy_kwargs: dict[str, Any] | None,
+        init_setup_model: bool,
+        **settings: Any,
+    ) -> None:
+        """Take over the choices; see `SVG`. `settings` are `BaseAlgorithm`'s.
+
+        Raises:
+            ValueError: for a negative learning rate, or worlds, policy or model that do not fit.
+            CheckpointError: for a model's file that cannot be read.
+        """
+        super().__init__(
+            policy,
+            env,
+            learning_rate=cast(Any, learning_rate),  # what SB3 makes of it, _setup_lr_schedule overrules
+            policy_kwargs={"optimizer_kwargs": dict(ADAM)} | (policy_kwargs or {}),
+            support_multi_env=True,
+            supported_action_spaces=(spaces.Box,),
+            **settings,
+        )
+        check_schedule("learning_rate", learning_rate)
+        self.model_refresh = model_refresh
+        self._n_updates = 0
+        if init_setup_model:
+            self._open_world_model(world_model)
+            self._setup_model()
+
+    def _open_world_model(self, given: str | Path | WorldModel | None) -> None:
+        if given is None:
+            given = beside_base((self.policy_kwargs or {}).get("base") or default_base(self.action_space))
+        model = copy.deepcopy(given) if isinstance(given, WorldModel) else read_world(given).model
+        self.world_model = fitted_to(model, Character.of(self._worlds_of_env().simulation.model))
+        self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
+
+    def _worlds_of_env(self) -> AdaptVecEnv:
+        if not isinstance(self.env, AdaptVecEnv) or not isinstance(self.observation_space, spaces.Box):
+            raise ValueError(f"SVG learns in an AdaptVecEnv on flat ground, without a heightmap, not in {self.env}")
+        return self.env
+
+    def _setup_model(self) -> None:
+        self._setup_lr_schedule()
+        self.set_random_seed(self.seed)
+        self.rng = np.random.default_rng(self.seed)
+        policy = self.policy_class(self.observation_space, self.action_space, self.lr_schedule, **self.policy_kwargs)
+        if not isinstance(policy, ObjectivePolicy):
+            raise ValueError(f"SVG needs one of this package's policies, such as AdaptNetPolicy, not {policy}")
+        self.policy = policy.to(self.device)
+        if "world_model" not in vars(self):
+            character, sizes = self._model_description
+            self.world_model = WorldModel(character, Sizes(*sizes))
+        self.world_model.to(self.device)
+        rate = self.model_refresh.learning_rate
+        self.world_optimizer = torch.optim.Adam(self.world_model.parameters(), lr=rate)
+
+    def _setup_lr_schedule(self) -> None:
+        """A constant for the policy's constructor: the learning rate follows the samples, not the progress."""
+        self.lr_schedule = FloatSchedule(self._learning_rate_now())
+
+    def _learning_rate_now(self) -> float:
+        return self._now(cast(Schedule, self.learning_rate))
+
+    def _now(self, schedule: Schedule) -> float:
+        return value_at(schedule, self.num_timesteps)
+
+    def world_state(self) -> dict[str, Any]:
+        """What a checkpoint needs beside the policy: the model, its optimiser, the random state; plain values."""
+        return {
+            "model": self.world_model.state_dict(),
+            "optimizer": self.world_optimizer.state_dict(),
+            "rng": json.dumps(self.rng.bit_generator.state),
+        }
+
+    def set_world_state(self, state: Mapping[str, Any]) -> None:
+        """Restore what `world_state` gave."""
+        self.world_model.load_state_dict(state["model"])
+        self.world_optimizer.load_state_dict(state["optimizer"])
+        self.rng.bit_generator.state = json.loads(state["rng"])
+
+    def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
+        return ["policy", "policy.optimizer", "world_model", "world_optimizer"], []

@@ -1,0 +1,228 @@
+"""SVG: stochastic value gradients through a learned world model, as a Stable-Baselines3 algorithm.
+
+Real rollouts are collected; the model is refreshed on them; the policy then descends the slope of a tracking loss,
+propagated back through model and kinematics along the real states (Heess et al. 2015; Fussell et al. 2021).
+"""
+
+from collections import deque
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self, cast
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
+from stable_baselines3.common.utils import update_learning_rate
+
+from sb3_adaptnet.algorithms.gradient_taming import GradientTaming, NormLimit
+from sb3_adaptnet.algorithms.imagination import imagine
+from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
+from sb3_adaptnet.algorithms.model_refresh import refresh
+from sb3_adaptnet.algorithms.real_rollout import RealRollout, RolloutRecorder
+from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims
+from sb3_adaptnet.algorithms.svg_log import record_rollout, record_times
+from sb3_adaptnet.algorithms.svg_loss import window_loss
+from sb3_adaptnet.algorithms.svg_settings import Episodes, Exploration, LossWeights, ModelRefresh, grouped
+from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
+from sb3_adaptnet.objectives.schedule import Schedule
+from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.world_model.model import WorldModel
+
+
+class SVG(ModelBasedAlgorithm):
+    """Adapts a policy of this package to the environment's reference motion and goals.
+
+    Every `learn` begins new episodes in all worlds.
+
+    Attributes:
+        motion: what is tracked, once it learns.
+        norm_limit: running mean of the policy's gradients.
+    """
+
+    def __init__(
+        self,
+        policy: type[ObjectivePolicy],
+        env: GymEnv | None,
+        world_model: str | Path | WorldModel | None = None,
+        learning_rate: Schedule = 5e-4,
+        n_steps: int = 32,
+        window: int = 16,
+        gradient_steps: int = 6,
+        recent_rollouts: int = 3,
+        regression_updates: int = 300,
+        episodes: Episodes | Mapping[str, Any] | None = None,
+        exploration: Exploration | Mapping[str, Any] | None = None,
+        model_refresh: ModelRefresh | Mapping[str, Any] | None = None,
+        loss_weights: LossWeights | Mapping[str, Any] | None = None,
+        stats_window_size: int = 100,
+        tensorboard_log: str | None = None,
+        policy_kwargs: dict[str, Any] | None = None,
+        verbose: int = 0,
+        seed: int | None = None,
+        device: torch.device | str = "auto",
+        _init_setup_model: bool = True,
+    ) -> None:
+        """Choose how to learn.
+
+        Args:
+            policy: a policy of this package, such as `AdaptNetPolicy`.
+            env: an `AdaptVecEnv` on flat ground.
+            world_model: the character's model, or its file; None for `BASE.world.safetensors` beside the policy's base.
+            learning_rate: of the policy; a number, or samples -> number.
+            n_steps: control steps of a rollout.
+            window: control steps that gradients pass through.
+            gradient_steps: updates of the policy per rollout.
+            recent_rollouts: rollouts that windows are drawn from; every other one is from the latest.
+            regression_updates: updates of the first guess, before the first rollout.
+            episodes: how long they last, and what ends them.
+            exploration: noise on the actions.
+            model_refresh: how the model keeps up.
+            loss_weights: of the loss's parts.
+            stats_window_size: episodes that the logged means are of.
+            tensorboard_log: folder for TensorBoard.
+            policy_kwargs: further arguments of the policy.
+            verbose: as in Stable-Baselines3.
+            seed: of everything.
+            device: of policy and model.
+            _init_setup_model: build the networks.
+
+        Raises:
+            ValueError: for a window longer than a rollout, an unknown or impossible setting, or worlds, policy or model
+                that do not fit.
+            CheckpointError: for a model's file that cannot be read.
+        """
+        super().__init__(
+            policy, env, world_model, learning_rate, grouped(ModelRefresh, model_refresh), policy_kwargs,
+            stats_window_size=stats_window_size, tensorboard_log=tensorboard_log, verbose=verbose, device=device,
+            seed=seed, init_setup_model=_init_setup_model,
+        )  # fmt: skip
+        if not 0 < window <= n_steps:
+            raise ValueError(f"window is {window}, expected 1 to n_steps, which is {n_steps}")
+        self.n_steps, self.window, self.gradient_steps = n_steps, window, gradient_steps
+        self.recent_rollouts, self.regression_updates = recent_rollouts, regression_updates
+        self.episodes = grouped(Episodes, episodes)
+        self.exploration = grouped(Exploration, exploration)
+        self.loss_weights = grouped(LossWeights, loss_weights)
+        self.taming, self.norm_limit = GradientTaming(), NormLimit()
+
+    def learn(
+        self,
+        total_timesteps: int,
+        callback: MaybeCallback = None,
+        log_interval: int = 1,
+        tb_log_name: str = "SVG",
+        reset_num_timesteps: bool = True,
+        progress_bar: bool = False,
+    ) -> Self:
+        """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
+        self._last_obs = None  # worlds and their guides begin together
+        total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
+        env = self._worlds_of_env()
+        reference = env.simulation.reference_states._asdict()
+        self.motion = TrackedMotion.of(self.world_model.character, self.device, **reference)
+        self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.rng)
+        self._worlds.begin()
+        self._rollouts = deque[RealRollout](maxlen=max(self.model_refresh.rollouts, self.recent_rollouts))
+        callbacks.on_training_start(locals(), globals())
+        if self._n_updates == 0:
+            self._guess()
+        iteration = 0
+        while self.num_timesteps < total and self.collect_rollout(callbacks):
+            iteration += 1
+            self._update_current_progress_remaining(self.num_timesteps, total)
+            self.train()
+            if log_interval is not None and iteration % log_interval == 0:
+                self.dump_logs(iteration)
+        callbacks.on_training_end()
+        return self
+
+    def _guess(self) -> None:
+        speeds = self._worlds.env.simulation.goal_states.speed
+        error = regress_to_servo_aims(self.policy, self.motion, speeds, self.regression_updates, self.rng)
+        self.logger.record("svg/first_guess_error", error)
+
+    def collect_rollout(self, callback: BaseCallback) -> bool:
+        """Act in all worlds for `n_steps` control steps; returns whether the callbacks want to go on."""
+        worlds, recorder = self._worlds, RolloutRecorder()
+        worlds.guide.fastest_turn = self._now(self.episodes.turn_rate)
+        worlds.error_limit = self._now(self.episodes.error_limit)
+        observations = cast(NDArray[np.float32], self._last_obs)  # an array: there is no heightmap
+        worlds.resynchronise(observations)
+        self.policy.set_training_mode(False)
+        errors = []
+        callback.on_rollout_start()
+        for _ in range(self.n_steps):
+            before = worlds.now()
+            actions, noise = self._act(observations)
+            step = worlds.step(actions)
+            new_obs, rewards, dones, infos = step.observations, step.rewards, step.dones, step.infos
+            self.num_timesteps += self.n_envs
+            callback.update_locals(locals())  # under the names that PPO's have
+            if not callback.on_step():
+                return False
+            self._update_info_buffer(infos, dones)
+            recorder.add(before, actions, noise, step.guidance, step.ended)
+            errors.append(step.errors)
+            self._last_obs = observations = new_obs
+        self._rollouts.append(recorder.finish(worlds.now()))
+        record_rollout(self.logger, np.stack(errors), worlds.lengths)
+        callback.on_rollout_end()
+        return True
+
+    @torch.no_grad()
+    def _act(self, observations: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Actions (N, J) and the noise that is in them."""
+        mean = self._mean_action(torch.as_tensor(observations, device=self.device)).cpu().numpy()
+        noisy = self.rng.random((len(mean), 1)) < self.exploration.share
+        noise = (self.exploration.std * self.rng.standard_normal(mean.shape) * noisy).astype(np.float32)
+        return np.clip(mean + noise, -1, 1), noise
+
+    def _mean_action(self, observations: torch.Tensor) -> torch.Tensor:
+        return self.policy.get_distribution(observations).mode()
+
+    def train(self) -> None:
+        """Refresh the model, then descend along windows of the latest rollouts."""
+        self.policy.set_training_mode(True)
+        self.world_model.dynamics.precision = self.policy.precision
+        loss = refresh(self.world_model, self.world_optimizer, self._rollouts, self.model_refresh, self.rng)
+        self.logger.record("svg/model_loss", loss)
+        update_learning_rate(self.policy.optimizer, self._learning_rate_now())
+        frozen, recent = self.world_model.frozen(), list(self._rollouts)[-self.recent_rollouts :]
+        logs = []
+        for number in range(self.gradient_steps):
+            rollout = recent[-1 if number % 2 == 0 else self.rng.integers(len(recent))]
+            logs.append(self._improve(frozen, rollout, int(self.rng.integers(len(rollout) - self.window + 1))))
+        for name in logs[0]:
+            self.logger.record(f"svg/{name}", float(np.mean([log[name] for log in logs])))
+
+    def _improve(self, model: WorldModel, rollout: RealRollout, start: int) -> dict[str, float]:
+        """One update of the policy along the window of a rollout that begins at `start`; returns what to log."""
+        with self.policy.actor.one_update(self.window):
+            steps = imagine(self._mean_action, model, rollout, start, self.window, self.taming)
+            loss, parts = window_loss(steps, self.motion, self.loss_weights)
+            self.policy.optimizer.zero_grad()
+            loss.backward()
+        length = self.norm_limit.apply([p for p in self.policy.actor.parameters() if p.requires_grad])
+        self.policy.optimizer.step()
+        self._n_updates += 1
+        return {"loss": float(loss.detach()), **parts, "gradient_norm": length}
+
+    def dump_logs(self, iteration: int = 0) -> None:
+        """Write the log."""
+        record_times(self, iteration)
+        self.logger.dump(step=self.num_timesteps)
+
+    def world_state(self) -> dict[str, Any]:
+        """As `ModelBasedAlgorithm`'s, with the running mean of the gradients."""
+        return {**super().world_state(), "gradient_norm": self.norm_limit.mean}
+
+    def set_world_state(self, state: Mapping[str, Any]) -> None:
+        """Restore what `world_state` gave."""
+        super().set_world_state(state)
+        self.norm_limit.mean = state["gradient_norm"]
+
+    def _excluded_save_params(self) -> list[str]:
+        return [*super()._excluded_save_params(), "_worlds", "_rollouts", "motion"]

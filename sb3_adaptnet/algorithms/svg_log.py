@@ -1,0 +1,31 @@
+"""What SVG writes to the log besides its losses."""
+
+import sys
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.utils import safe_mean
+
+
+def record_rollout(logger: Logger, errors: NDArray[np.floating], lengths: list[int]) -> None:
+    """Mean tracking error [m] over steps and worlds (T, N), and the lengths of the episodes that ended."""
+    logger.record("rollout/tracking_error", float(np.nanmean(errors)))
+    if lengths:
+        logger.record("rollout/episode_steps", float(np.mean(lengths)))
+
+
+def record_times(algorithm: BaseAlgorithm, iteration: int) -> None:
+    """Episodes' rewards and times, under the names that Stable-Baselines3's own algorithms use."""
+    logger, episodes = algorithm.logger, algorithm.ep_info_buffer
+    begun, samples = algorithm.start_time, algorithm.num_timesteps - algorithm._num_timesteps_at_start
+    seconds = max((time.time_ns() - begun) / 1e9, sys.float_info.epsilon)
+    logger.record("time/iterations", iteration, exclude="tensorboard")
+    if episodes:
+        logger.record("rollout/ep_rew_mean", safe_mean([episode["r"] for episode in episodes]))
+        logger.record("rollout/ep_len_mean", safe_mean([episode["l"] for episode in episodes]))
+    logger.record("time/fps", int(samples / seconds))
+    logger.record("time/time_elapsed", int(seconds), exclude="tensorboard")
+    logger.record("time/total_timesteps", algorithm.num_timesteps, exclude="tensorboard")

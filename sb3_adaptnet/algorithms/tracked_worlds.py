@@ -1,0 +1,118 @@
+"""Real worlds whose characters shall follow a motion: their episodes end where they lose it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sb3_adaptnet.algorithms.real_rollout import Moment
+from sb3_adaptnet.algorithms.svg_settings import Episodes
+from sb3_adaptnet.algorithms.tracking.guide import Guidance, Guide
+from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES, TrackedMotion
+from sb3_adaptnet.vec_env import AdaptVecEnv
+
+
+class TrackedStep(NamedTuple):
+    """What one step of all worlds gave.
+
+    Attributes:
+        observations: (N, 784) after it, of new episodes where old ones ended.
+        rewards: (N,) of the environment.
+        dones: (N,) whether the environment ended an episode.
+        infos: the environment's.
+        ended: (N,) whether anything ended an episode.
+        guidance: what the worlds should have looked like.
+        errors: (N,) how far [m] the links were from it; NaN where the environment ended the episode.
+    """
+
+    observations: NDArray[np.float32]
+    rewards: NDArray[np.float32]
+    dones: NDArray[np.bool_]
+    infos: list[dict[str, Any]]
+    ended: NDArray[np.bool_]
+    guidance: Guidance
+    errors: NDArray[np.floating]
+
+
+class TrackedWorlds:
+    """N worlds with their guides. Episodes also end when a world is too far off, or after a drawn number of steps.
+
+    Attributes:
+        env: the worlds.
+        guide: what they follow.
+        error_limit: mean error of the links' positions [m] at which an episode ends.
+        lengths: steps of the episodes that ended in the last rollout.
+    """
+
+    def __init__(self, env: AdaptVecEnv, motion: TrackedMotion, episodes: Episodes, rng: np.random.Generator) -> None:
+        """Guide the worlds of `env` along `motion`; `begin` comes first.
+
+        Args:
+            env: the worlds.
+            motion: their reference.
+            episodes: how long they last.
+            rng: source of the numbers of steps.
+        """
+        self.env, self.guide, self.rng = env, Guide(motion, env.num_envs), rng
+        self.error_limit = np.inf
+        self.lengths: list[int] = []
+        self._fewest, self._most = episodes.fewest_steps, episodes.most_steps
+        self._ages = np.zeros(env.num_envs, np.int64)
+        self._limits = np.zeros(env.num_envs, np.int64)
+        self._all = np.arange(env.num_envs)
+
+    def begin(self) -> None:
+        """Guide all worlds from where the environment's reset put them."""
+        self._follow(self._all)
+
+    def _follow(self, ids: NDArray[np.integer]) -> None:
+        starts = self.env.simulation.start_states[ids]
+        self.guide.restart(ids, starts, self._root_headings())
+        self._ages[ids], self._limits[ids] = 0, self.rng.integers(self._fewest, self._most + 1, size=len(ids))
+
+    def _root_headings(self) -> NDArray[np.floating]:
+        w, x, y, z = self.env.simulation.physics_states.qpos[:, 3:7].T
+        return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+    def now(self) -> Moment:
+        """The worlds before the next step."""
+        simulation = self.env.simulation
+        states, goals = simulation.physics_states, simulation.goal_states
+        return Moment(
+            qpos=states.qpos.astype(np.float32),
+            qvel=states.qvel.astype(np.float32),
+            frames=simulation.link_histories[:, -OBSERVED_FRAMES:],
+            targets=goals.target,
+            speeds=goals.speed,
+        )
+
+    def resynchronise(self, observations: NDArray[np.float32]) -> None:
+        """Put the guides to the phases that the worlds are in, and forget the lengths of past episodes."""
+        self.guide.resynchronise(self._positions(observations))
+        self.lengths = []
+
+    def _positions(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
+        """(N, L, 3) positions of the links [m], heading frame, from observations (N, 784)."""
+        links = self.guide.motion.positions.shape[1]
+        size = links * 13
+        latest = observations[:, (OBSERVED_FRAMES - 1) * size : OBSERVED_FRAMES * size]
+        return latest.reshape(-1, links, 13)[..., :3]
+
+    def step(self, actions: NDArray[np.float32]) -> TrackedStep:
+        """Advance all worlds and their guides by one control step; worlds that ended have begun again."""
+        observations, rewards, dones, infos = self.env.step(actions)
+        assert isinstance(observations, np.ndarray)
+        self._ages += 1
+        simulation = self.env.simulation
+        root_xy = simulation.physics_states.qpos[:, :2]
+        self.guide.advance(simulation.goal_states.target - root_xy, self._root_headings())
+        guidance = self.guide.now
+        errors = np.where(dones, np.nan, self.guide.errors(self._positions(observations)))
+        stopped = np.flatnonzero(~dones & ((self._ages >= self._limits) | (errors > self.error_limit)))
+        if len(stopped):
+            observations[stopped] = self.env.restart(stopped)
+        ended = dones.copy()
+        ended[stopped] = True
+        self.lengths.extend(self._ages[ended].tolist())
+        self._follow(np.flatnonzero(ended))
+        return TrackedStep(observations, rewards, dones, infos, ended, guidance, errors)

@@ -1,0 +1,41 @@
+"""States, goals and references that learners read are those of the worlds; worlds may be restarted one by one."""
+
+import numpy as np
+import pytest
+
+from adapt_envs import make_vector
+
+
+@pytest.fixture
+def env():
+    env = make_vector("AdaptNet/Humanoid-Stoop-v0", 4, num_threads=1)
+    env.reset(seed=0)
+    return env
+
+
+def test_fresh_worlds_stand_in_their_start_states(env):
+    reference, states = env.reference_states, env.physics_states
+    assert np.allclose(reference.qpos[env.start_states], states.qpos)
+    assert np.allclose(reference.qvel[env.start_states], states.qvel)
+    assert np.allclose(reference.history[env.start_states], env.link_histories, atol=1e-5)
+    assert len(reference.qpos) == env.worlds.reference.num_states
+    assert reference.cyclic
+
+
+def test_what_is_read_is_a_copy(env):
+    read = (*env.physics_states, env.link_histories, *env.goal_states, env.start_states)
+    before = [part.copy() for part in read]
+    env.step(np.zeros(env.action_space.shape, np.float32))
+    assert all(np.array_equal(a, b) for a, b in zip(read, before, strict=True))
+    assert not np.array_equal(env.physics_states.qpos, before[0])
+
+
+def test_single_worlds_restart_where_one_wants(env):
+    env.step(np.zeros(env.action_space.shape, np.float32))
+    before, ids = env.physics_states.qpos, np.array([1, 3])
+    observations = env.restart(ids, np.array([5, 9]))
+    assert observations.shape == (2, 784)
+    assert np.array_equal(env.start_states[ids], [5, 9])
+    assert np.allclose(env.physics_states.qpos[ids], env.reference_states.qpos[[5, 9]])
+    assert np.array_equal(env.physics_states.qpos[[0, 2]], before[[0, 2]])
+    assert np.array_equal(env.worlds.steps, [1, 0, 1, 0])

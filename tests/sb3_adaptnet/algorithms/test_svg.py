@@ -1,0 +1,103 @@
+"""SVG learns, saves, loads, goes on and repeats itself, as every Stable-Baselines3 algorithm does."""
+
+import numpy as np
+import pytest
+import torch
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import configure
+from stable_baselines3.common.policies import ActorCriticPolicy
+from world_cases import CHARACTER
+
+from sb3_adaptnet import AdaptNetPolicy, AdaptVecEnv
+from sb3_adaptnet.algorithms.svg import SVG
+from sb3_adaptnet.world_model.character import Character
+
+
+def weights(model):
+    return torch.cat([p.detach().flatten() for p in model.policy.actor.parameters()])
+
+
+def test_learning_changes_policy_and_model(make_svg, tiny_world):
+    model = make_svg()
+    before = weights(model).clone()
+    model.learn(96)
+    assert model.num_timesteps == 96
+    assert not torch.equal(weights(model), before)
+    pairs = zip(model.world_model.parameters(), tiny_world.parameters(), strict=True)
+    assert any(not torch.equal(a, b) for a, b in pairs)
+
+
+def test_the_base_stays_frozen(make_svg):
+    model = make_svg()
+    base = [p.clone() for p in model.policy.actor.base.parameters()]
+    model.learn(48)
+    assert all(torch.equal(a, b) for a, b in zip(model.policy.actor.base.parameters(), base, strict=True))
+
+
+def test_the_same_seed_gives_the_same_weights(make_svg):
+    first, again, other = (weights(make_svg(seed=seed).learn(96)) for seed in (1, 1, 2))
+    assert torch.equal(first, again)
+    assert not torch.equal(first, other)
+
+
+def test_a_saved_model_acts_alike_and_goes_on(make_svg, tmp_path):
+    model = make_svg().learn(96)
+    model.save(tmp_path / "model")
+    loaded = SVG.load(tmp_path / "model", env=model.env, device="cpu")
+    observations = model.env.reset()
+    assert np.array_equal(*(m.predict(observations, deterministic=True)[0] for m in (model, loaded)))
+    for name, tensor in model.world_model.state_dict().items():
+        assert torch.equal(tensor, loaded.world_model.state_dict()[name])
+    assert loaded.world_optimizer.state_dict()["state"].keys() == model.world_optimizer.state_dict()["state"].keys()
+    loaded.learn(48, reset_num_timesteps=False)
+    assert loaded.num_timesteps == 144
+    assert SVG.load(tmp_path / "model", device="cpu").env is None
+
+
+def test_the_log_says_what_happened(make_svg, tmp_path):
+    model = make_svg(episodes={"fewest_steps": 2, "most_steps": 5})
+    model.set_logger(configure(str(tmp_path), ["csv"]))
+    model.learn(96)
+    names = (tmp_path / "progress.csv").read_text().splitlines()[0].split(",")
+    wanted = {"svg/tracking", "svg/travel", "svg/smoothness", "svg/gradient_norm", "svg/model_loss",
+              "rollout/tracking_error", "rollout/episode_steps", "time/fps", "time/total_timesteps"}  # fmt: skip
+    assert wanted <= set(names)
+
+
+def test_callbacks_see_every_step_and_may_stop(make_svg):
+    class Counter(BaseCallback):
+        def _on_step(self):
+            assert self.locals["step"].rewards.shape == (6,)
+            return self.n_calls < 11
+
+    counter = Counter()
+    model = make_svg().learn(480, callback=counter)
+    assert counter.n_calls == 11
+    assert model.num_timesteps == 66
+
+
+def test_schedules_follow_the_samples(make_svg):
+    model = make_svg(episodes={"error_limit": {0: 0.4, 96: 0.2}})
+    model.learn(96)
+    assert model.policy.optimizer.param_groups[0]["lr"] == pytest.approx(1e-3 + (1e-4 - 1e-3) * 0.96)
+    assert model._worlds.error_limit == pytest.approx(0.3)
+
+
+def test_another_body_has_its_own_kinematics(make_svg):
+    model = make_svg(environment="AdaptNet/Humanoid-LongShinsWalk-v0")
+    assert model.world_model.character == Character.of(model.env.simulation.model) != CHARACTER
+    model.learn(48)
+
+
+def test_what_does_not_fit_is_refused(make_svg, walk_base, tiny_world):
+    with pytest.raises(ValueError, match="window is 9, expected 1 to n_steps, which is 8"):
+        make_svg(window=9)
+    with pytest.raises(ValueError, match="other joints"):
+        make_svg(environment="AdaptNet/Humanoid-LockedElbowsWalk-v0")
+    with pytest.raises(ValueError, match="without a heightmap"):
+        make_svg(environment="AdaptNet/Humanoid-TerrainHills-v0")
+    env = AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", num_envs=2, num_threads=1)
+    with pytest.raises(ValueError, match="walk.world.safetensors"):
+        SVG(AdaptNetPolicy, env)
+    with pytest.raises(ValueError, match="AdaptNetPolicy"):
+        SVG(ActorCriticPolicy, env, tiny_world)

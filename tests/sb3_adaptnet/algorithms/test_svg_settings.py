@@ -1,0 +1,24 @@
+"""Settings come in groups that refuse what they do not know."""
+
+import pytest
+import torch
+
+from sb3_adaptnet.algorithms.svg_loss import smoothness_loss
+from sb3_adaptnet.algorithms.svg_settings import Episodes, Exploration, LossWeights, grouped
+
+
+def test_smoothness_is_the_squared_change():
+    assert torch.equal(smoothness_loss(torch.ones(2, 3), None), torch.zeros(2))
+    assert torch.equal(smoothness_loss(torch.ones(2, 3), torch.zeros(2, 3)), torch.full((2,), 3.0))
+
+
+def test_settings_come_in_groups():
+    assert grouped(Exploration, None) == Exploration()
+    assert grouped(Exploration, {"std": 0.1}) == Exploration(std=0.1)
+    assert grouped(LossWeights, {"position": 2, "facing": 0}).travel == 0.4
+    with pytest.raises(ValueError, match="Exploration has no 'noise'; it has std, share"):
+        grouped(Exploration, {"noise": 1})
+    with pytest.raises(ValueError, match="episodes of 9 to 3 steps"):
+        Episodes(fewest_steps=9, most_steps=3)
+    with pytest.raises(ValueError, match="turn_rate"):
+        Episodes(turn_rate={0: -1.0})

@@ -1,0 +1,33 @@
+"""`adaptnet world-model`: a model is fitted, says what it was fitted to, and is measured."""
+
+import json
+
+from sb3_adaptnet.commands import world_model
+from sb3_adaptnet.commands.main import main
+
+
+def test_a_model_is_fitted_and_measured(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(world_model, "EVAL_WORLDS", 8)
+    monkeypatch.setattr(world_model, "EVAL_STEPS", 80)
+    file = tmp_path / "walk.world.safetensors"
+    words = ["--worlds", "40", "--steps", "60", "--effort", "0.001", "--threads", "1", "--policies", "walk-stoop"]
+    assert main(["world-model", "fit", "walk", "-o", str(file), *words]) == 0
+    shown = capsys.readouterr().out
+    assert "after 1 updates of 8 steps" in shown
+    assert f"wrote {file}" in shown
+    card = json.loads(file.with_suffix(".json").read_text())
+    assert card["environment"] == "AdaptNet/Humanoid-Walk-v0"
+    assert card["training"]["policies"] == ["walk", "walk-stoop"]
+    assert card["errors"]["steps"] == [1, 4, 8, 16, 32]
+    assert main(["world-model", "eval", str(file), "--threads", "1"]) == 0
+    assert "steps ahead                1       4       8      16      32" in capsys.readouterr().out
+
+
+def test_a_model_of_other_joints_is_not_measured(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(world_model, "EVAL_WORLDS", 2)
+    monkeypatch.setattr(world_model, "EVAL_STEPS", 2)
+    file = tmp_path / "walk.world.safetensors"
+    words = ["--worlds", "20", "--steps", "40", "--effort", "0.001", "--threads", "1"]
+    main(["world-model", "fit", "walk", "-o", str(file), *words])
+    assert main(["world-model", "eval", str(file), "--env", "AdaptNet/Humanoid-LockedElbowsWalk-v0"]) == 2
+    assert "other joints" in capsys.readouterr().err
