@@ -97,7 +97,7 @@ class StateAccess:
 
         Args:
             ids: (n,) worlds.
-            starts: (n,) numbers of reference states to begin in; None draws them.
+            starts: (n,) numbers of reference states to begin in; None samples them.
 
         Returns:
             First observations of these n worlds.

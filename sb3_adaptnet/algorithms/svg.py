@@ -75,7 +75,7 @@ class SVG(ModelBasedAlgorithm):
             n_steps: control steps of a rollout.
             window: control steps that gradients pass through.
             gradient_steps: updates of the policy per rollout.
-            recent_rollouts: rollouts that windows are drawn from; every other one is from the latest.
+            recent_rollouts: rollouts that windows are taken from; every other one is from the latest.
             regression_updates: updates of the first guess, before the first rollout.
             episodes: how long they last, and what ends them.
             exploration: noise on the actions.

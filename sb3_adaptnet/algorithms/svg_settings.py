@@ -59,7 +59,7 @@ class ModelRefresh:
         learning_rate: Adam's.
         updates: per rollout.
         batch: transitions per update.
-        rollouts: latest rollouts that they are drawn from.
+        rollouts: latest rollouts that they are taken from.
     """
 
     learning_rate: float = 1e-4

@@ -35,7 +35,7 @@ class TrackedStep(NamedTuple):
 
 
 class TrackedWorlds:
-    """N worlds with their guides. Episodes also end when a world is too far off, or after a drawn number of steps.
+    """N worlds with their guides. Episodes also end when a world is too far off, or after a random number of steps.
 
     Attributes:
         env: the worlds.

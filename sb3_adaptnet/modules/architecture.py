@@ -1,8 +1,8 @@
 """Sizes of a base network and of an adaptation: plain data that goes into a checkpoint's card."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+
+from sb3_adaptnet.modules.json_values import JsonValues
 
 OBSERVATION_VERSION = 1
 """Version of what an observation's 784 numbers mean; raised when the environments' layout changes."""
@@ -11,7 +11,7 @@ ADAPTORS = ("full", "lora")
 
 
 @dataclass(frozen=True)
-class Architecture:
+class Architecture(JsonValues):
     """Sizes of a policy network (paper, sec. 7 and fig. 6).
 
     Attributes:
@@ -47,23 +47,9 @@ class Architecture:
         """Widths of the latent spaces Z0 (encoder output and goal), Z1, Z2, ..."""
         return (self.gru_size + self.goal_size, *self.hidden_sizes)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The sizes as JSON values."""
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> "Architecture":
-        """Inverse of `to_dict` (lists become tuples again).
-
-        Raises:
-            TypeError: for a name that is not a field, or a missing one.
-        """
-        sizes: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in values.items()}
-        return cls(**sizes)
-
 
 @dataclass(frozen=True)
-class AdaptationShape:
+class AdaptationShape(JsonValues):
     """Which parts an adaptation of a base has; the defaults are AdaptNet, the others its ablations (paper, sec. 8).
 
     Attributes:
@@ -105,16 +91,3 @@ class AdaptationShape:
         if self.injection not in table:
             raise ValueError(f"injection must be one of {list(table)}, not {self.injection!r}")
         return table[self.injection]
-
-    def to_dict(self) -> dict[str, Any]:
-        """The choices as JSON values."""
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> "AdaptationShape":
-        """Inverse of `to_dict`.
-
-        Raises:
-            TypeError: for a name that is not a field.
-        """
-        return cls(**values)

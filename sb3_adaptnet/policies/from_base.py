@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from gymnasium import spaces
-from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
+from stable_baselines3.common.type_aliases import PyTorchObs
 
 from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.adaptation.injector import PRIOR_SAMPLES
@@ -31,8 +31,7 @@ class PolicyFromBase(ObjectivePolicy):
         self,
         observation_space: spaces.Space,
         action_space: spaces.Space,
-        lr_schedule: Schedule,
-        use_sde: bool = False,
+        *args: Any,
         base: str | Path | None = None,
         **settings: Any,
     ) -> None:
@@ -41,8 +40,7 @@ class PolicyFromBase(ObjectivePolicy):
         Args:
             observation_space: see `ObjectivePolicy`, as the next two.
             action_space: carries `joint_names`, and `default_base` if no base is given.
-            lr_schedule: PPO's learning rate.
-            use_sde: not supported.
+            *args: PPO's learning rate, and use_sde, which is not supported.
             base: name of a shipped base, or a file; None takes the environment's default.
             **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
 
@@ -50,7 +48,7 @@ class PolicyFromBase(ObjectivePolicy):
             CheckpointError: if the base's name is unknown or its file is damaged or foreign. A file that is missing
                 only fails when the policy first acts, because `PPO.load` builds the policy before it restores it.
         """
-        super().__init__(observation_space, action_space, lr_schedule, use_sde, **settings)
+        super().__init__(observation_space, action_space, *args, **settings)
         self.base_argument = default_base(action_space) if base is None else base
         self._missing: CheckpointError | None = None
         found = self._read_base()

@@ -25,9 +25,7 @@ from sb3_adaptnet.world_model.world_file import save_world
 SLOWER, FASTER = 0.35, 1.2
 """Preferred speeds of the data, in the environment's lowest and highest: styles are slow."""
 EPISODE_STEPS = 120
-"""Control steps of an episode at most; disturbances are drawn anew with each."""
-HELD_OUT = 20
-"""Every so many worlds are kept for judging."""
+"""Control steps of an episode at most; disturbances are sampled for each."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +41,7 @@ class FitPlan:
         seed: of everything.
         threads: of physics and networks; None for all cores.
         sizes: of the network.
+        held_out: every so many worlds are kept for judging.
     """
 
     env_id: str
@@ -53,6 +52,7 @@ class FitPlan:
     seed: int = 0
     threads: int | None = None
     sizes: Sizes = Sizes()
+    held_out: int = 20
 
 
 def record_transitions(plan: FitPlan, progress: Progress = iter) -> tuple[Transitions, Character]:
@@ -104,7 +104,7 @@ def fit_world(
         torch.set_num_threads(plan.threads)
     torch.manual_seed(plan.seed)
     data, character = record_transitions(plan, progress("walking"))
-    fitted, judged = data.split(HELD_OUT)
+    fitted, judged = data.split(plan.held_out)
     model = WorldModel(character, plan.sizes)
     model.dynamics.precision = use_precision("auto")
     errors = fit_stages(model, fitted, judged, plan, progress, report)

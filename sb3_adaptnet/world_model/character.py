@@ -1,18 +1,18 @@
 """A character as plain data: its tree of links, hinges, servos and soles, read from a MuJoCo model."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+
+from sb3_adaptnet.modules.json_values import JsonValues
 
 AXES = "xyz"
 """A link's hinges turn about some of its axes, in this order (intrinsic XYZ)."""
 
 
 @dataclass(frozen=True)
-class Character:
+class Character(JsonValues):
     """A tree of links under a free root, joined by hinges with servos. Equal characters compare equal.
 
     Attributes:
@@ -58,23 +58,6 @@ class Character:
             widths=tuple((high - low).tolist()),
             corners=_corners(model, bodies),
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """The character as JSON values."""
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> "Character":
-        """Inverse of `to_dict`, also after a passage through JSON (lists become tuples again).
-
-        Raises:
-            TypeError: for a name that is not a field, or a missing one.
-        """
-        return cls(**{name: _tuples(value) for name, value in values.items()})
-
-
-def _tuples(value: Any) -> Any:
-    return tuple(_tuples(part) for part in value) if isinstance(value, (list, tuple)) else value
 
 
 def _check_root(model: mujoco.MjModel) -> None:

@@ -35,14 +35,8 @@ class _Tape(NamedTuple):
     states: torch.Tensor
 
 
-def _prepare(
-    frames: torch.Tensor,
-    w_ih: torch.Tensor,
-    w_hh: torch.Tensor,
-    b_ih: torch.Tensor,
-    b_hh: torch.Tensor,
-    dtype: torch.dtype,
-) -> _Tape:
+def _prepare(frames: torch.Tensor, weights: tuple[torch.Tensor, ...], dtype: torch.dtype) -> _Tape:
+    w_ih, w_hh, b_ih, b_hh = weights
     batch, steps, size = frames.shape
     hidden = w_hh.shape[1]
     inputs = frames.new_ones(steps, batch, size + 1, dtype=dtype)
@@ -115,7 +109,7 @@ class _LastState(torch.autograd.Function):
         b_hh: torch.Tensor,
         dtype: torch.dtype,
     ) -> torch.Tensor:
-        tape = _prepare(frames, w_ih, w_hh, b_ih, b_hh, dtype)
+        tape = _prepare(frames, (w_ih, w_hh, b_ih, b_hh), dtype)
         state = _run(tape, b_hh[2 * w_hh.shape[1] :].to(dtype))
         if any(ctx.needs_input_grad):
             ctx.save_for_backward(*tape)

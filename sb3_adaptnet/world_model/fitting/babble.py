@@ -1,8 +1,9 @@
 """Disturbances of a policy's actions, so that a model sees more than the policy does by itself.
 
 A style is not needed for the data, but its range of motion is: legs that swing far, slow and fast rhythms, poses that
-the base never takes. Every episode of every world draws its own mixture of three things: white noise; correlated noise;
-and waves, joint targets that swing as in some unheard-of gait, added to the policy's actions or put in their place.
+the base never takes. Every episode of every world samples its own mixture of three things: white noise; correlated
+noise; and waves, joint targets that swing as in some unheard-of gait, added to the policy's actions or put in their
+place.
 """
 
 from collections.abc import Sequence
@@ -21,7 +22,7 @@ _RISE = 6
 
 @dataclass(frozen=True)
 class BabbleSettings:
-    """What is drawn per episode; actions are in half ranges.
+    """What is sampled per episode; actions are in half ranges.
 
     Attributes:
         white: standard deviations of white noise.
@@ -47,7 +48,7 @@ class Babble:
     """The disturbances of N worlds.
 
     Attributes:
-        settings: what is drawn.
+        settings: what is sampled.
     """
 
     def __init__(
