@@ -15,6 +15,7 @@ from stable_baselines3.common.utils import FloatSchedule
 
 from sb3_adaptnet.algorithms.model_refresh import fitted_to
 from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
+from sb3_adaptnet.algorithms.weight_average import WeightAverage
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.space_contract import default_base
@@ -33,6 +34,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
     Attributes:
         world_model: the model, refreshed while the policy learns.
         world_optimizer: Adam for the model.
+        weight_average: of what the policy learns. The policy holds the average, except while it learns.
         rng: source of all randomness but the networks' first weights and the worlds.
     """
 
@@ -93,12 +95,16 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         if not isinstance(policy, ObjectivePolicy):
             raise ValueError(f"SVG needs one of this package's policies, such as AdaptNetPolicy, not {policy}")
         self.policy = policy.to(self.device)
+        self.weight_average = WeightAverage(self._learned_weights())
         if "world_model" not in vars(self):
             character, sizes = self._model_description
             self.world_model = WorldModel(character, Sizes(*sizes))
         self.world_model.to(self.device)
         rate = self.model_refresh.learning_rate
         self.world_optimizer = torch.optim.Adam(self.world_model.parameters(), lr=rate)
+
+    def _learned_weights(self) -> list[torch.nn.Parameter]:
+        return [parameter for parameter in self.policy.actor.parameters() if parameter.requires_grad]
 
     def _setup_lr_schedule(self) -> None:
         """A constant for the policy's constructor: the learning rate follows the samples, not the progress."""
@@ -111,10 +117,11 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         return value_at(schedule, self.num_timesteps)
 
     def world_state(self) -> dict[str, Any]:
-        """What a checkpoint needs beside the policy: the model, its optimiser, the random state; plain values."""
+        """What a checkpoint needs beside the policy (which is the average): plain values."""
         return {
             "model": self.world_model.state_dict(),
             "optimizer": self.world_optimizer.state_dict(),
+            "latest": self.weight_average.state_dict(),
             "rng": json.dumps(self.rng.bit_generator.state),
         }
 
@@ -122,7 +129,8 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         """Restore what `world_state` gave."""
         self.world_model.load_state_dict(state["model"])
         self.world_optimizer.load_state_dict(state["optimizer"])
+        self.weight_average.load_state_dict(state["latest"])
         self.rng.bit_generator.state = json.loads(state["rng"])
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
-        return ["policy", "policy.optimizer", "world_model", "world_optimizer"], []
+        return ["policy", "policy.optimizer", "weight_average", "world_model", "world_optimizer"], []

@@ -53,6 +53,7 @@ class SVG(ModelBasedAlgorithm):
         gradient_steps: int = 6,
         recent_rollouts: int = 3,
         regression_updates: int = 300,
+        average_decay: float = 0.98,
         episodes: Episodes | Mapping[str, Any] | None = None,
         exploration: Exploration | Mapping[str, Any] | None = None,
         model_refresh: ModelRefresh | Mapping[str, Any] | None = None,
@@ -77,6 +78,8 @@ class SVG(ModelBasedAlgorithm):
             gradient_steps: updates of the policy per rollout.
             recent_rollouts: rollouts that windows are taken from; every other one is from the latest.
             regression_updates: updates of the first guess, before the first rollout.
+            average_decay: what an update leaves of the running average of the weights. The average is the policy:
+                its falls were half to a tenth of the latest weights'.
             episodes: how long they last, and what ends them.
             exploration: noise on the actions.
             model_refresh: how the model keeps up.
@@ -103,6 +106,7 @@ class SVG(ModelBasedAlgorithm):
             raise ValueError(f"window is {window}, expected 1 to n_steps, which is {n_steps}")
         self.n_steps, self.window, self.gradient_steps = n_steps, window, gradient_steps
         self.recent_rollouts, self.regression_updates = recent_rollouts, regression_updates
+        self.average_decay = average_decay
         self.episodes = grouped(Episodes, episodes)
         self.exploration = grouped(Exploration, exploration)
         self.loss_weights = grouped(LossWeights, loss_weights)
@@ -154,19 +158,20 @@ class SVG(ModelBasedAlgorithm):
         self.policy.set_training_mode(False)
         errors = []
         callback.on_rollout_start()
-        for _ in range(self.n_steps):
-            before = worlds.now()
-            actions, noise = self._act(observations)
-            step = worlds.step(actions)
-            new_obs, rewards, dones, infos = step.observations, step.rewards, step.dones, step.infos
-            self.num_timesteps += self.n_envs
-            callback.update_locals(locals())  # under the names that PPO's have
-            if not callback.on_step():
-                return False
-            self._update_info_buffer(infos, dones)
-            recorder.add(before, actions, noise, step.guidance, step.ended)
-            errors.append(step.errors)
-            self._last_obs = observations = new_obs
+        with self.weight_average.learning():
+            for _ in range(self.n_steps):
+                before = worlds.now()
+                actions, noise = self._act(observations)
+                step = worlds.step(actions)
+                new_obs, rewards, dones, infos = step.observations, step.rewards, step.dones, step.infos
+                self.num_timesteps += self.n_envs
+                callback.update_locals(locals())  # under the names that PPO's have
+                if not callback.on_step():
+                    return False
+                self._update_info_buffer(infos, dones)
+                recorder.add(before, actions, noise, step.guidance, step.ended)
+                errors.append(step.errors)
+                self._last_obs = observations = new_obs
         self._rollouts.append(recorder.finish(worlds.now()))
         record_rollout(self.logger, np.stack(errors), worlds.lengths)
         callback.on_rollout_end()
@@ -192,9 +197,10 @@ class SVG(ModelBasedAlgorithm):
         update_learning_rate(self.policy.optimizer, self._learning_rate_now())
         frozen, recent = self.world_model.frozen(), list(self._rollouts)[-self.recent_rollouts :]
         logs = []
-        for number in range(self.gradient_steps):
-            rollout = recent[-1 if number % 2 == 0 else self.rng.integers(len(recent))]
-            logs.append(self._improve(frozen, rollout, int(self.rng.integers(len(rollout) - self.window + 1))))
+        with self.weight_average.learning():
+            for number in range(self.gradient_steps):
+                rollout = recent[-1 if number % 2 == 0 else self.rng.integers(len(recent))]
+                logs.append(self._improve(frozen, rollout, int(self.rng.integers(len(rollout) - self.window + 1))))
         for name in logs[0]:
             self.logger.record(f"svg/{name}", float(np.mean([log[name] for log in logs])))
 
@@ -205,8 +211,9 @@ class SVG(ModelBasedAlgorithm):
             loss, parts = window_loss(steps, self.motion, self.loss_weights)
             self.policy.optimizer.zero_grad()
             loss.backward()
-        length = self.norm_limit.apply([p for p in self.policy.actor.parameters() if p.requires_grad])
+        length = self.norm_limit.apply(self._learned_weights())
         self.policy.optimizer.step()
+        self.weight_average.update(self.average_decay)
         self._n_updates += 1
         return {"loss": float(loss.detach()), **parts, "gradient_norm": length}
 
