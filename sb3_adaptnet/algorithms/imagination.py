@@ -3,9 +3,10 @@
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
+import numpy as np
 import torch
 
-from sb3_adaptnet.algorithms.real_rollout import RealRollout, moving
+from sb3_adaptnet.algorithms.real_rollout import Guided, RealRollout, moving
 from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES
 from sb3_adaptnet.world_model.links import HeadingView, from_observed, to_observed
 from sb3_adaptnet.world_model.model import WorldModel
@@ -15,24 +16,6 @@ MeanAction = Callable[[torch.Tensor], torch.Tensor]
 """Observations (B, 784) -> mean actions (B, J), differentiable."""
 _NO_DIRECTION = 0.01
 """Closer than this [m] a target has no direction, as in the environments."""
-
-
-class Guided(NamedTuple):
-    """What the worlds should look like after a step; as in `RealRollout`, for one step.
-
-    Attributes:
-        phases: (B,) of the reference motion.
-        headings: (B,) of the guides [rad], world.
-        turn_rates: (B,) [rad/s].
-        speeds: (B,) preferred [m/s].
-        weights: (B,) 1 where the episode went on, else 0.
-    """
-
-    phases: torch.Tensor
-    headings: torch.Tensor
-    turn_rates: torch.Tensor
-    speeds: torch.Tensor
-    weights: torch.Tensor
 
 
 class Imagined(NamedTuple):
@@ -49,6 +32,15 @@ class Imagined(NamedTuple):
     view: HeadingView
     actions: torch.Tensor
     guided: Guided
+
+    def last_seen(self) -> "Imagined | None":
+        """The worlds whose state is the last of their episode or window, by their latest frame; None if none is."""
+        worlds = self.guided.last.nonzero()[:, 0]
+        if not len(worlds):
+            return None
+        view = HeadingView(*(part.index_select(-1, worlds) for part in self.view))
+        state = self.state.map(lambda part: part.index_select(-1, worlds))
+        return Imagined(state, view, self.actions[worlds], self.guided.of(worlds))
 
 
 def goal_features(view: HeadingView, position: torch.Tensor, target: torch.Tensor, speed: torch.Tensor) -> torch.Tensor:
@@ -95,6 +87,7 @@ def imagine(
     """
     device = model.middles.device
     alive = rollout.alive(start, steps)
+    last = alive & ~np.concatenate([alive[1:], np.zeros_like(alive[:1])])
     residuals = _residuals(model, rollout, start, steps) * moving(alive, device).unsqueeze(-1)
     data = rollout.transitions
     state = State.from_mujoco(moving(data.qpos[start], device), moving(data.qvel[start], device))
@@ -109,14 +102,7 @@ def imagine(
         state = model.step(state, view, actions, residuals[step]).map(tame)
         frames = [*frames[1 - OBSERVED_FRAMES :], model.kinematics(state)]
         view = model.view(torch.cat(frames, dim=1))
-        yield Imagined(state, view, mean, _guided(rollout, at, speed, moving(alive[step], device)))
-
-
-def _guided(rollout: RealRollout, at: int, speed: torch.Tensor, alive: torch.Tensor) -> Guided:
-    phases, headings, rates = (
-        moving(part[at], speed.device) for part in (rollout.phases, rollout.headings, rollout.turn_rates)
-    )
-    return Guided(phases, headings, rates, speed, alive.to(speed.dtype))
+        yield Imagined(state, view, mean, rollout.guided(at, alive[step], last[step], device))
 
 
 def _residuals(model: WorldModel, rollout: RealRollout, start: int, steps: int) -> torch.Tensor:

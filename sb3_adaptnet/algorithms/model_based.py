@@ -13,6 +13,8 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 from stable_baselines3.common.utils import FloatSchedule
 
+from sb3_adaptnet.algorithms.cost_critic import LEARNING_RATE, CostCritic
+from sb3_adaptnet.algorithms.gradient_taming import NormLimit
 from sb3_adaptnet.algorithms.model_refresh import fitted_to
 from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
 from sb3_adaptnet.algorithms.weight_average import WeightAverage
@@ -35,6 +37,9 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         world_model: the model, refreshed while the policy learns.
         world_optimizer: Adam for the model.
         weight_average: of what the policy learns. The policy holds the average, except while it learns.
+        critic: which costs a state leads to; frozen, except while it learns.
+        critic_optimizer: Adam for the critic.
+        norm_limit: running mean of the policy's gradients.
         rng: source of all randomness but the networks' first weights and the worlds.
     """
 
@@ -69,7 +74,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             **settings,
         )
         check_schedule("learning_rate", learning_rate)
-        self.model_refresh = model_refresh
+        self.model_refresh, self.norm_limit = model_refresh, NormLimit()
         self._n_updates = 0
         if init_setup_model:
             self._open_world_model(world_model)
@@ -102,6 +107,8 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.world_model.to(self.device)
         rate = self.model_refresh.learning_rate
         self.world_optimizer = torch.optim.Adam(self.world_model.parameters(), lr=rate)
+        self.critic = CostCritic(self.world_model).to(self.device).requires_grad_(False)
+        self.critic_optimizer = torch.optim.Adam(self.critic.parameters(), lr=LEARNING_RATE)
 
     def _learned_weights(self) -> list[torch.nn.Parameter]:
         return [parameter for parameter in self.policy.actor.parameters() if parameter.requires_grad]
@@ -122,6 +129,9 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             "model": self.world_model.state_dict(),
             "optimizer": self.world_optimizer.state_dict(),
             "latest": self.weight_average.state_dict(),
+            "gradient_norm": self.norm_limit.mean,
+            "critic": self.critic.state_dict(),
+            "critic_optimizer": self.critic_optimizer.state_dict(),
             "rng": json.dumps(self.rng.bit_generator.state),
         }
 
@@ -130,7 +140,11 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.world_model.load_state_dict(state["model"])
         self.world_optimizer.load_state_dict(state["optimizer"])
         self.weight_average.load_state_dict(state["latest"])
+        self.norm_limit.mean = state["gradient_norm"]
+        self.critic.load_state_dict(state["critic"])
+        self.critic_optimizer.load_state_dict(state["critic_optimizer"])
         self.rng.bit_generator.state = json.loads(state["rng"])
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
-        return ["policy", "policy.optimizer", "weight_average", "world_model", "world_optimizer"], []
+        learning = ["policy", "weight_average", "world_model", "critic"]
+        return [*learning, "policy.optimizer", "world_optimizer", "critic_optimizer"], []

@@ -1,6 +1,7 @@
 """A real rollout: what happened in the worlds, what they were after, and what they should have looked like."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -28,6 +29,34 @@ class Moment:
     speeds: NDArray[np.float32]
 
 
+class Guided(NamedTuple):
+    """What B worlds should look like, and where they should go, after a step.
+
+    Attributes:
+        phases: (B,) of the reference motion.
+        headings: (B,) of the guides [rad], world.
+        turn_rates: (B,) [rad/s].
+        style: (B,) what the style's loss is worth.
+        targets: (B, 2) of the goals [m], world.
+        speeds: (B,) preferred [m/s].
+        weights: (B,) 1 where the episode went on, else 0.
+        last: (B,) whether the world is seen for the last time in its episode or window.
+    """
+
+    phases: torch.Tensor
+    headings: torch.Tensor
+    turn_rates: torch.Tensor
+    style: torch.Tensor
+    targets: torch.Tensor
+    speeds: torch.Tensor
+    weights: torch.Tensor
+    last: torch.Tensor
+
+    def of(self, worlds: torch.Tensor) -> "Guided":
+        """The same of some worlds (b,)."""
+        return Guided(*(part[worlds] for part in self))
+
+
 @dataclass(frozen=True, eq=False)
 class RealRollout:
     """T steps of N worlds.
@@ -36,10 +65,12 @@ class RealRollout:
         transitions: states, actions and ends.
         noise: (T, N, J) what was added to the policy's mean actions.
         frames: (T, N, 4, L, 13) link states up to each step, world frame.
-        targets, speeds: (T, N, 2) [m] and (T, N) [m/s] of the goals before each step.
+        targets, speeds: (T + 1, N, 2) [m] and (T + 1, N) [m/s] of the goals before each step, and after the last one.
         phases: (T, N) of the reference motion after each step.
         headings: (T, N) of the guides after each step [rad], world.
         turn_rates: (T, N) of the guides [rad/s].
+        style: (T, N) what the style's loss is worth after each step.
+        failed: (T, N) whether the step ended an episode by a fall or by its error.
     """
 
     transitions: Transitions
@@ -50,6 +81,8 @@ class RealRollout:
     phases: NDArray[np.integer]
     headings: NDArray[np.float32]
     turn_rates: NDArray[np.float32]
+    style: NDArray[np.float32]
+    failed: NDArray[np.bool_]
 
     def __len__(self) -> int:
         """T."""
@@ -58,6 +91,12 @@ class RealRollout:
     def alive(self, start: int, steps: int) -> NDArray[np.bool_]:
         """(steps, N) whether the episode that a world is in at `start` goes on through each step from there on."""
         return ~np.logical_or.accumulate(self.transitions.ended[start : start + steps], axis=0)
+
+    def guided(self, step: int, alive: NDArray[np.bool_], last: NDArray[np.bool_], device: torch.device) -> Guided:
+        """What the worlds should look like after a step; `alive` and `last` (N,) become `weights` and `last`."""
+        parts = [part[step] for part in (self.phases, self.headings, self.turn_rates, self.style)]
+        goals = [self.targets[step + 1], self.speeds[step + 1]]
+        return Guided(*(moving(part, device) for part in (*parts, *goals, alive.astype(np.float32), last)))
 
 
 class RolloutRecorder:
@@ -70,6 +109,7 @@ class RolloutRecorder:
         self._noise: list[NDArray[np.float32]] = []
         self._guidance: list[Guidance] = []
         self._ended: list[NDArray[np.bool_]] = []
+        self._failed: list[NDArray[np.bool_]] = []
 
     def add(
         self,
@@ -78,6 +118,7 @@ class RolloutRecorder:
         noise: NDArray[np.float32],
         guidance: Guidance,
         ended: NDArray[np.bool_],
+        failed: NDArray[np.bool_],
     ) -> None:
         """Add a step: the worlds before it, actions and noise (N, J), the guidance after it, which episodes ended."""
         self._moments.append(before)
@@ -85,25 +126,28 @@ class RolloutRecorder:
         self._noise.append(noise)
         self._guidance.append(guidance)
         self._ended.append(ended)
+        self._failed.append(failed)
 
     def finish(self, last: Moment) -> RealRollout:
         """The rollout, given the worlds after its last step."""
-        moments, guidance = self._moments, self._guidance
+        moments, guidance = [*self._moments, last], self._guidance
         transitions = Transitions(
-            qpos=np.stack([moment.qpos for moment in (*moments, last)]),
-            qvel=np.stack([moment.qvel for moment in (*moments, last)]),
+            qpos=np.stack([moment.qpos for moment in moments]),
+            qvel=np.stack([moment.qvel for moment in moments]),
             actions=np.stack(self._actions),
             ended=np.stack(self._ended),
         )
         return RealRollout(
             transitions=transitions,
             noise=np.stack(self._noise),
-            frames=np.stack([moment.frames for moment in moments]),
+            frames=np.stack([moment.frames for moment in moments[:-1]]),
             targets=np.stack([moment.targets for moment in moments]),
             speeds=np.stack([moment.speeds for moment in moments]),
             phases=np.stack([now.phases for now in guidance]),
             headings=np.stack([now.headings for now in guidance]),
             turn_rates=np.stack([now.turn_rates for now in guidance]),
+            style=np.stack([now.style for now in guidance]),
+            failed=np.stack(self._failed),
         )
 
 

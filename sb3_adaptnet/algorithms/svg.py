@@ -16,16 +16,18 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
-from sb3_adaptnet.algorithms.gradient_taming import GradientTaming, NormLimit
+from sb3_adaptnet.algorithms.cost_critic import CriticTraining
+from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
 from sb3_adaptnet.algorithms.model_refresh import refresh
 from sb3_adaptnet.algorithms.real_rollout import RealRollout, RolloutRecorder
 from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims
 from sb3_adaptnet.algorithms.svg_log import record_rollout, record_times
-from sb3_adaptnet.algorithms.svg_loss import window_loss
-from sb3_adaptnet.algorithms.svg_settings import Episodes, Exploration, LossWeights, ModelRefresh, grouped
+from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss
+from sb3_adaptnet.algorithms.svg_settings import CostToGo, Episodes, Exploration, LossWeights, ModelRefresh, grouped
 from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
+from sb3_adaptnet.algorithms.tracking.guide import Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.objectives.schedule import Schedule
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
@@ -35,11 +37,11 @@ from sb3_adaptnet.world_model.model import WorldModel
 class SVG(ModelBasedAlgorithm):
     """Adapts a policy of this package to the environment's reference motion and goals.
 
-    Every `learn` begins new episodes in all worlds.
+    Every `learn` begins new episodes in all worlds. The policy is the running average of the weights; only callbacks
+    within a rollout (`on_step`) see the latest ones.
 
     Attributes:
         motion: what is tracked, once it learns.
-        norm_limit: running mean of the policy's gradients.
     """
 
     def __init__(
@@ -55,9 +57,11 @@ class SVG(ModelBasedAlgorithm):
         regression_updates: int = 300,
         average_decay: float = 0.98,
         episodes: Episodes | Mapping[str, Any] | None = None,
+        guiding: Guiding | Mapping[str, Any] | None = None,
         exploration: Exploration | Mapping[str, Any] | None = None,
         model_refresh: ModelRefresh | Mapping[str, Any] | None = None,
         loss_weights: LossWeights | Mapping[str, Any] | None = None,
+        cost_to_go: CostToGo | Mapping[str, Any] | None = None,
         stats_window_size: int = 100,
         tensorboard_log: str | None = None,
         policy_kwargs: dict[str, Any] | None = None,
@@ -81,9 +85,11 @@ class SVG(ModelBasedAlgorithm):
             average_decay: what an update leaves of the running average of the weights. The average is the policy:
                 its falls were half to a tenth of the latest weights'.
             episodes: how long they last, and what ends them.
+            guiding: how the reference leads the characters to their goals.
             exploration: noise on the actions.
             model_refresh: how the model keeps up.
             loss_weights: of the loss's parts.
+            cost_to_go: the critic of what comes after a window.
             stats_window_size: episodes that the logged means are of.
             tensorboard_log: folder for TensorBoard.
             policy_kwargs: further arguments of the policy.
@@ -108,9 +114,11 @@ class SVG(ModelBasedAlgorithm):
         self.recent_rollouts, self.regression_updates = recent_rollouts, regression_updates
         self.average_decay = average_decay
         self.episodes = grouped(Episodes, episodes)
+        self.guiding = grouped(Guiding, guiding)
         self.exploration = grouped(Exploration, exploration)
         self.loss_weights = grouped(LossWeights, loss_weights)
-        self.taming, self.norm_limit = GradientTaming(), NormLimit()
+        self.cost_to_go = grouped(CostToGo, cost_to_go)
+        self.taming = GradientTaming()
 
     def learn(
         self,
@@ -127,9 +135,14 @@ class SVG(ModelBasedAlgorithm):
         env = self._worlds_of_env()
         reference = env.simulation.reference_states._asdict()
         self.motion = TrackedMotion.of(self.world_model.character, self.device, **reference)
-        self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.rng)
+        self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.guiding, self.rng)
+        self._worlds.schedule(self.num_timesteps)
         self._worlds.begin()
-        self._rollouts = deque[RealRollout](maxlen=max(self.model_refresh.rollouts, self.recent_rollouts))
+        kept = max(self.model_refresh.rollouts, self.recent_rollouts, self.cost_to_go.first_rollouts)
+        self._rollouts = deque[RealRollout](maxlen=kept)
+        self._critic_training = CriticTraining(
+            self.critic, self.critic_optimizer, self.world_model, self.motion, self.loss_weights, self.cost_to_go
+        )
         callbacks.on_training_start(locals(), globals())
         if self._n_updates == 0:
             self._guess()
@@ -151,8 +164,7 @@ class SVG(ModelBasedAlgorithm):
     def collect_rollout(self, callback: BaseCallback) -> bool:
         """Act in all worlds for `n_steps` control steps; returns whether the callbacks want to go on."""
         worlds, recorder = self._worlds, RolloutRecorder()
-        worlds.guide.fastest_turn = self._now(self.episodes.turn_rate)
-        worlds.error_limit = self._now(self.episodes.error_limit)
+        worlds.schedule(self.num_timesteps)
         observations = cast(NDArray[np.float32], self._last_obs)  # an array: there is no heightmap
         worlds.resynchronise(observations)
         self.policy.set_training_mode(False)
@@ -169,7 +181,7 @@ class SVG(ModelBasedAlgorithm):
                 if not callback.on_step():
                     return False
                 self._update_info_buffer(infos, dones)
-                recorder.add(before, actions, noise, step.guidance, step.ended)
+                recorder.add(before, actions, noise, step.guidance, step.ended, step.failed)
                 errors.append(step.errors)
                 self._last_obs = observations = new_obs
         self._rollouts.append(recorder.finish(worlds.now()))
@@ -195,20 +207,23 @@ class SVG(ModelBasedAlgorithm):
         loss = refresh(self.world_model, self.world_optimizer, self._rollouts, self.model_refresh, self.rng)
         self.logger.record("svg/model_loss", loss)
         update_learning_rate(self.policy.optimizer, self._learning_rate_now())
+        critic_weight = self._now(self.cost_to_go.weight)
+        to_come = self._critic_training.learned(critic_weight, list(self._rollouts), self.rng, self.logger)
         frozen, recent = self.world_model.frozen(), list(self._rollouts)[-self.recent_rollouts :]
         logs = []
         with self.weight_average.learning():
             for number in range(self.gradient_steps):
                 rollout = recent[-1 if number % 2 == 0 else self.rng.integers(len(recent))]
-                logs.append(self._improve(frozen, rollout, int(self.rng.integers(len(rollout) - self.window + 1))))
+                logs.append(self._improve(frozen, rollout, to_come))
         for name in logs[0]:
             self.logger.record(f"svg/{name}", float(np.mean([log[name] for log in logs])))
 
-    def _improve(self, model: WorldModel, rollout: RealRollout, start: int) -> dict[str, float]:
-        """One update of the policy along the window of a rollout that begins at `start`; returns what to log."""
+    def _improve(self, model: WorldModel, rollout: RealRollout, to_come: CostToCome | None) -> dict[str, float]:
+        """One update of the policy along a window of a rollout; returns what to log."""
+        start = int(self.rng.integers(len(rollout) - self.window + 1))
         with self.policy.actor.one_update(self.window):
             steps = imagine(self._mean_action, model, rollout, start, self.window, self.taming)
-            loss, parts = window_loss(steps, self.motion, self.loss_weights)
+            loss, parts = window_loss(steps, self.motion, self.loss_weights, to_come)
             self.policy.optimizer.zero_grad()
             loss.backward()
         length = self.norm_limit.apply(self._learned_weights())
@@ -222,14 +237,5 @@ class SVG(ModelBasedAlgorithm):
         record_times(self, iteration)
         self.logger.dump(step=self.num_timesteps)
 
-    def world_state(self) -> dict[str, Any]:
-        """As `ModelBasedAlgorithm`'s, with the running mean of the gradients."""
-        return {**super().world_state(), "gradient_norm": self.norm_limit.mean}
-
-    def set_world_state(self, state: Mapping[str, Any]) -> None:
-        """Restore what `world_state` gave."""
-        super().set_world_state(state)
-        self.norm_limit.mean = state["gradient_norm"]
-
     def _excluded_save_params(self) -> list[str]:
-        return [*super()._excluded_save_params(), "_worlds", "_rollouts", "motion"]
+        return [*super()._excluded_save_params(), "_worlds", "_rollouts", "_critic_training", "motion"]

@@ -1,33 +1,51 @@
-"""The loss of a window: tracking, travel and smooth actions; the penalties of eq. 12 are the actor's own."""
+"""The loss of a window: tracking, travel, smooth actions, what comes after; the actor adds the penalties of eq. 12."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import torch
 
 from sb3_adaptnet.algorithms.imagination import Imagined
+from sb3_adaptnet.algorithms.real_rollout import Guided
 from sb3_adaptnet.algorithms.svg_settings import LossWeights
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.tracking_loss import tracking_loss
-from sb3_adaptnet.algorithms.tracking.travel_loss import travel_loss
+from sb3_adaptnet.algorithms.tracking.travel_loss import travel_errors, travel_loss
+from sb3_adaptnet.world_model.links import HeadingView
+from sb3_adaptnet.world_model.state import State
+
+CostToCome = Callable[[Imagined], torch.Tensor]
+"""Worlds whose window or episode is over -> weighted costs (B,) of what comes after."""
+
+
+def state_costs(
+    state: State, view: HeadingView, motion: TrackedMotion, guided: Guided, weights: LossWeights
+) -> dict[str, torch.Tensor]:
+    """Costs (B,) of being in a state, by name."""
+    links = view.latest(motion.links.shape[1])
+    phases = guided.phases
+    tracking = tracking_loss(state, links, motion, phases, guided.turn_rates, weights)
+    errors = travel_errors(state.velocity, view, motion, phases, guided.headings, guided.speeds)
+    return {"tracking": guided.style * tracking, "travel": travel_loss(errors, weights)}
 
 
 def window_loss(
-    steps: Iterable[Imagined], motion: TrackedMotion, weights: LossWeights
+    steps: Iterable[Imagined], motion: TrackedMotion, weights: LossWeights, to_come: CostToCome | None = None
 ) -> tuple[torch.Tensor, dict[str, float]]:
     """Mean loss () over the steps of a window and its worlds, and the means of its parts; ended episodes count 0."""
     parts: dict[str, list[torch.Tensor]] = {"tracking": [], "travel": [], "smoothness": []}
+    if to_come is not None:
+        parts["to_come"] = []
     before: torch.Tensor | None = None
     for step in steps:
-        state, view, guided = step.state, step.view, step.guided
-        links = view.latest(motion.links.shape[1])
-        costs = {
-            "tracking": tracking_loss(state, links, motion, guided.phases, guided.turn_rates, weights),
-            "travel": travel_loss(state.velocity, view, motion, guided.phases, guided.headings, guided.speeds, weights),
-            "smoothness": weights.smoothness * smoothness_loss(step.actions, before),
-        }
+        costs = state_costs(step.state, step.view, motion, step.guided, weights)
+        costs["smoothness"] = weights.smoothness * smoothness_loss(step.actions, before)
         before = step.actions
         for name, cost in costs.items():
-            parts[name].append((cost * guided.weights).mean())
+            parts[name].append((cost * step.guided.weights).mean())
+        if to_come is not None:
+            last = step.last_seen()
+            worlds = len(step.guided.weights)
+            parts["to_come"].append(before.new_zeros(()) if last is None else to_come(last).sum() / worlds)
     means = {name: torch.stack(values).mean() for name, values in parts.items()}
     return torch.stack(list(means.values())).sum(), {name: float(mean.detach()) for name, mean in means.items()}
 

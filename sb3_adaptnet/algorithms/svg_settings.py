@@ -17,25 +17,35 @@ class Episodes:
 
     Attributes:
         error_limit: mean error of the links' positions [m] at which an episode ends.
-        turn_rate: at most so fast the reference turns towards the goal [rad/s].
+        loose_limit: the same for loose worlds, and for all others until they have been calm for a while.
+        loose_share: share of the worlds that are loose: they last longer, and seldom end by their error.
+        calm_seconds: so long [s] after turning only the loose limit holds.
         fewest_steps, most_steps: control steps of an episode.
+        fewest_loose_steps, most_loose_steps: control steps of a loose world's.
+        goal_spread: share of the circle, centred ahead, that new goals lie in; 1 is the task's own.
     """
 
-    error_limit: Schedule = 0.2
-    turn_rate: Schedule = 0.3
+    error_limit: Schedule = 0.16
+    loose_limit: float = 0.4
+    loose_share: Schedule = 0.5
+    calm_seconds: float = 1.5
     fewest_steps: int = 50
     most_steps: int = 150
+    fewest_loose_steps: int = 100
+    most_loose_steps: int = 450
+    goal_spread: Schedule = 1.0
 
     def __post_init__(self) -> None:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative limit or rate, or numbers of steps that do not rise.
+            ValueError: for a negative limit, share or time, or numbers of steps that do not rise.
         """
-        check_schedule("error_limit", self.error_limit)
-        check_schedule("turn_rate", self.turn_rate)
-        if not 0 < self.fewest_steps <= self.most_steps:
-            raise ValueError(f"episodes of {self.fewest_steps} to {self.most_steps} steps do not exist")
+        for name in ("error_limit", "loose_limit", "loose_share", "calm_seconds", "goal_spread"):
+            check_schedule(name, getattr(self, name))
+        for fewest, most in ((self.fewest_steps, self.most_steps), (self.fewest_loose_steps, self.most_loose_steps)):
+            if not 0 < fewest <= most:
+                raise ValueError(f"episodes of {fewest} to {most} steps do not exist")
 
 
 @dataclass(frozen=True)
@@ -66,6 +76,43 @@ class ModelRefresh:
     updates: int = 3
     batch: int = 1024
     rollouts: int = 12
+
+
+@dataclass(frozen=True)
+class CostToGo:
+    """The critic: which costs a state leads to, and how it learns that.
+
+    Attributes:
+        weight: of its value at a window's end, beside the window's costs; 0 switches it off. 0.5 outweighed the style.
+        discount: what a cost counts one control step later.
+        trace: lambda of TD(lambda).
+        end_cost: cost-to-go of a fall and of an end by the error. It must be above what a bad state costs otherwise:
+            60 was not.
+        updates, first_updates: per rollout, and before it acts first.
+        rollouts, first_rollouts: latest rollouts that they are taken from.
+        batch: states per update.
+    """
+
+    weight: Schedule = 0.25
+    discount: float = 0.97
+    trace: float = 0.9
+    end_cost: float = 100.0
+    updates: int = 12
+    first_updates: int = 300
+    rollouts: int = 4
+    first_rollouts: int = 6
+    batch: int = 512
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            ValueError: for a negative weight or cost, or a discount or trace beyond 0 to 1.
+        """
+        check_schedule("weight", self.weight)
+        check_schedule("end_cost", self.end_cost)
+        if not (0 <= self.discount < 1 and 0 <= self.trace <= 1):
+            raise ValueError(f"discount and trace lie within 0 to 1, and discount below 1; not {self}")
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,14 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.real_rollout import Moment
 from sb3_adaptnet.algorithms.svg_settings import Episodes
-from sb3_adaptnet.algorithms.tracking.guide import Guidance, Guide
+from sb3_adaptnet.algorithms.tracking.guide import Guidance, Guide, Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES, TrackedMotion
+from sb3_adaptnet.objectives.schedule import value_at
 from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.world_model.integration import CONTROL_DT
+
+FAILURES = ("fall", "diverged")
+"""Ends of the environment that are the character's fault. The other ends say nothing about its state."""
 
 
 class TrackedStep(NamedTuple):
@@ -21,6 +26,7 @@ class TrackedStep(NamedTuple):
         dones: (N,) whether the environment ended an episode.
         infos: the environment's.
         ended: (N,) whether anything ended an episode.
+        failed: (N,) whether a fall or the error did.
         guidance: what the worlds should have looked like.
         errors: (N,) how far [m] the links were from it; NaN where the environment ended the episode.
     """
@@ -30,6 +36,7 @@ class TrackedStep(NamedTuple):
     dones: NDArray[np.bool_]
     infos: list[dict[str, Any]]
     ended: NDArray[np.bool_]
+    failed: NDArray[np.bool_]
     guidance: Guidance
     errors: NDArray[np.floating]
 
@@ -41,25 +48,45 @@ class TrackedWorlds:
         env: the worlds.
         guide: what they follow.
         error_limit: mean error of the links' positions [m] at which an episode ends.
+        loose: (N,) worlds with longer episodes and a wider limit.
         lengths: steps of the episodes that ended in the last rollout.
     """
 
-    def __init__(self, env: AdaptVecEnv, motion: TrackedMotion, episodes: Episodes, rng: np.random.Generator) -> None:
-        """Guide the worlds of `env` along `motion`; `begin` comes first.
+    def __init__(
+        self,
+        env: AdaptVecEnv,
+        motion: TrackedMotion,
+        episodes: Episodes,
+        guiding: Guiding,
+        rng: np.random.Generator,
+    ) -> None:
+        """Guide the worlds of `env` along `motion`; `schedule` and `begin` come first.
 
         Args:
             env: the worlds.
             motion: their reference.
             episodes: how long they last.
+            guiding: how they are led.
             rng: source of the numbers of steps.
         """
-        self.env, self.guide, self.rng = env, Guide(motion, env.num_envs), rng
+        self.env, self.guide, self.rng = env, Guide(motion, env.num_envs, guiding.longest_lead), rng
         self.error_limit = np.inf
+        self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []
-        self._fewest, self._most = episodes.fewest_steps, episodes.most_steps
+        self._episodes, self._guiding = episodes, guiding
+        self._fastest_turn = guiding.turn_per_footstep * motion.footsteps
         self._ages = np.zeros(env.num_envs, np.int64)
         self._limits = np.zeros(env.num_envs, np.int64)
         self._all = np.arange(env.num_envs)
+
+    def schedule(self, samples: int) -> None:
+        """Put what changes while learning to its values after so many samples."""
+        episodes, guiding, guide = self._episodes, self._guiding, self.guide
+        guide.fastest_turn = min(value_at(guiding.turn_rate, samples), self._fastest_turn)
+        guide.least_style = value_at(guiding.least_style, samples)
+        self.error_limit = value_at(episodes.error_limit, samples)
+        self.loose = self._all < value_at(episodes.loose_share, samples) * len(self._all)
+        self.env.set_attr("goal_spread", value_at(episodes.goal_spread, samples))
 
     def begin(self) -> None:
         """Guide all worlds from where the environment's reset put them."""
@@ -68,7 +95,10 @@ class TrackedWorlds:
     def _follow(self, ids: NDArray[np.integer]) -> None:
         starts = self.env.simulation.start_states[ids]
         self.guide.restart(ids, starts, self._root_headings())
-        self._ages[ids], self._limits[ids] = 0, self.rng.integers(self._fewest, self._most + 1, size=len(ids))
+        episodes, loose = self._episodes, self.loose[ids]
+        fewest = np.where(loose, episodes.fewest_loose_steps, episodes.fewest_steps)
+        most = np.where(loose, episodes.most_loose_steps, episodes.most_steps)
+        self._ages[ids], self._limits[ids] = 0, self.rng.integers(fewest, most + 1)
 
     def _root_headings(self) -> NDArray[np.floating]:
         w, x, y, z = self.env.simulation.physics_states.qpos[:, 3:7].T
@@ -104,15 +134,23 @@ class TrackedWorlds:
         assert isinstance(observations, np.ndarray)
         self._ages += 1
         simulation = self.env.simulation
-        root_xy = simulation.physics_states.qpos[:, :2]
-        self.guide.advance(simulation.goal_states.target - root_xy, self._root_headings())
+        root_xy, goals = simulation.physics_states.qpos[:, :2], simulation.goal_states
+        self.guide.advance(goals.target - root_xy, self._root_headings(), goals.speed)
         guidance = self.guide.now
         errors = np.where(dones, np.nan, self.guide.errors(self._positions(observations)))
-        stopped = np.flatnonzero(~dones & ((self._ages >= self._limits) | (errors > self.error_limit)))
+        failed = errors > self._error_limits()
+        stopped = np.flatnonzero(~dones & ((self._ages >= self._limits) | failed))
         if len(stopped):
             observations[stopped] = self.env.restart(stopped)
+        for world in np.flatnonzero(dones):
+            failed[world] = infos[world].get("end") in FAILURES
         ended = dones.copy()
         ended[stopped] = True
         self.lengths.extend(self._ages[ended].tolist())
         self._follow(np.flatnonzero(ended))
-        return TrackedStep(observations, rewards, dones, infos, ended, guidance, errors)
+        return TrackedStep(observations, rewards, dones, infos, ended, failed, guidance, errors)
+
+    def _error_limits(self) -> NDArray[np.floating]:
+        """(N,) [m]."""
+        turning = self.guide.calm_steps * CONTROL_DT < self._episodes.calm_seconds
+        return np.where(self.loose | turning, self._episodes.loose_limit, self.error_limit)

@@ -55,9 +55,13 @@ class Dynamics(nn.Module):
         self.output_mean.copy_(changes.mean(0))
         self.output_std.copy_(changes.std(0) + _LEAST_STD)
 
+    def normalised(self, inputs: torch.Tensor) -> torch.Tensor:
+        """Inputs (B, I) in standard deviations from their mean, clipped."""
+        return ((inputs - self.input_mean) * self.input_scale).clamp(-CLAMP, CLAMP)
+
     def normalised_change(self, inputs: torch.Tensor) -> torch.Tensor:
         """The change (B, O) in standard deviations from its mean."""
-        seen = ((inputs - self.input_mean) * self.input_scale).clamp(-CLAMP, CLAMP)
+        seen = self.normalised(inputs)
         with autocast(seen.device, self.precision):
             hidden = functional.silu(self.layers[0](seen.to(self.last.weight.dtype)))
             for layer in self.layers[1:]:

@@ -74,11 +74,24 @@ class WorldModel(nn.Module):
             state: the state.
             actions: (B, J) in [-1, 1].
         """
+        body, soles = self._seen(view, state)
+        errors = actions - (state.angles.t() - self.middles) / self.widths
+        return torch.cat((body, errors, soles), dim=1)
+
+    def posture(self, view: HeadingView, state: State) -> torch.Tensor:
+        """The inputs (B, I - J) but the servo errors, normalised and clipped as the dynamics do it."""
+        body, soles = self._seen(view, state)
+        parts = (body, torch.zeros_like(state.angles.t()), soles)
+        seen = self.dynamics.normalised(torch.cat(parts, dim=1))
+        body, _, soles = seen.split([part.shape[1] for part in parts], dim=1)
+        return torch.cat((body, soles), dim=1)
+
+    def _seen(self, view: HeadingView, state: State) -> tuple[torch.Tensor, torch.Tensor]:
+        """Links, angles and rates (B, 13 L + 2 J), and the soles (B, 3 C)."""
         links = view.latest(len(self.character.links))
-        angles, rates, heights = state.angles.t(), state.rates.t(), self._corner_heights(links)
-        errors = actions - (angles - self.middles) / self.widths
+        heights = self._corner_heights(links)
         touches = [torch.tanh(heights / scale) for scale in TOUCH_SCALES]
-        return torch.cat((to_observed(links), angles, rates, errors, heights, *touches), dim=1)
+        return torch.cat((to_observed(links), state.angles.t(), state.rates.t()), 1), torch.cat((heights, *touches), 1)
 
     def _corner_heights(self, links: torch.Tensor) -> torch.Tensor:
         """(B, C) heights of the soles' corners over the ground [m]."""

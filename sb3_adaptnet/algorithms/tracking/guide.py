@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule
 from sb3_adaptnet.world_model.integration import CONTROL_DT
 
 TURN_ACCELERATION = 3.0
@@ -14,14 +15,50 @@ TURN_GAIN = 2.0
 """Turn rate per angle left to turn [1/s]."""
 NEAR, FAR = 0.3, 0.7
 """Distances to the target [m] within which the guide keeps its direction, and from which it turns as fast as it may."""
-LONGEST_LEAD = 0.6
-"""How far [rad] the guide may be ahead of the character's own direction; then it waits."""
+STYLE_AT_REST, STYLE_ANGLE = 1.3, 0.8
+"""The style counts by the first number, less the angle [rad] between travel and target over the second; at most 1."""
+CALM_STYLE = 0.95
+"""A world turns while its style counts less."""
+TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO = 0.5, 0.87, 1.15
+"""Phases per control step are this power of the preferred speed over the motion's own, within these bounds."""
 REACH, WIDE_REACH = 2, 6
 """Phases on either side that a world may be put to at a rollout's start; the wide reach for one that is lost."""
 LOST = 0.2
 """Mean error of link positions [m] from which a world is lost."""
 PHASE_COST = 0.002
 """Error [m] that moving by one phase must gain."""
+_LONG_CALM = 10_000
+"""Control steps of calm that a new episode begins with: its start state is the motion's."""
+
+
+@dataclass(frozen=True)
+class Guiding:
+    """How guides lead.
+
+    Attributes:
+        turn_rate: at most so fast the reference turns towards the goal [rad/s].
+        turn_per_footstep: at most so far it turns per footstep [rad]: no style turns faster than it sets its feet.
+        longest_lead: how far [rad] it may be ahead of the character's own direction; then it waits. With 0.6 it cost
+            too little not to turn.
+        least_style: what the style's loss is worth at least while the character turns; 1 for its full worth. A clip
+            that walks straight has no right pose for a turn.
+    """
+
+    turn_rate: Schedule = 1.2
+    turn_per_footstep: float = 0.8
+    longest_lead: float = 1.5
+    least_style: Schedule = 0.2
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            ValueError: for a negative rate or worth, or a turn or lead that is not positive.
+        """
+        check_schedule("turn_rate", self.turn_rate)
+        check_schedule("least_style", self.least_style)
+        if not (self.turn_per_footstep > 0 and self.longest_lead > 0):
+            raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +69,13 @@ class Guidance:
         phases: (N,) of the reference motion.
         headings: (N,) direction of travel [rad], world.
         turn_rates: (N,) of that direction [rad/s].
+        style: (N,) what the style's loss is worth, 1 but in turns.
     """
 
     phases: NDArray[np.integer]
     headings: NDArray[np.float32]
     turn_rates: NDArray[np.float32]
+    style: NDArray[np.float32]
 
 
 class Guide:
@@ -44,24 +83,29 @@ class Guide:
 
     Attributes:
         motion: what they show.
-        phases, headings, turn_rates: as in `Guidance`.
+        phases, headings, turn_rates, style: as in `Guidance`.
+        calm_steps: (N,) control steps since the character last turned.
         fastest_turn: largest turn rate [rad/s].
+        least_style: as in `Guiding`.
     """
 
-    def __init__(self, motion: TrackedMotion, num_worlds: int) -> None:
-        """Guides before the first `restart`."""
-        self.motion = motion
+    def __init__(self, motion: TrackedMotion, num_worlds: int, longest_lead: float = 1.5) -> None:
+        """Guides before the first `restart`; they stay at most `longest_lead` [rad] ahead."""
+        self.motion, self.longest_lead = motion, longest_lead
         self.phases: NDArray[np.integer] = np.zeros(num_worlds, np.int64)
         self.headings = np.zeros(num_worlds)
         self.turn_rates = np.zeros(num_worlds)
-        self.fastest_turn = 0.0
+        self.style = np.ones(num_worlds)
+        self.calm_steps = np.full(num_worlds, _LONG_CALM)
+        self.fastest_turn, self.least_style = 0.0, 1.0
+        self._between = np.zeros(num_worlds)  # how far each guide is beyond its phase, -0.5 to 0.5
         self._facing = motion.facing.cpu().numpy()
 
     @property
     def now(self) -> Guidance:
         """A copy of the present guidance."""
         headings, rates = self.headings.astype(np.float32), self.turn_rates.astype(np.float32)
-        return Guidance(self.phases.copy(), headings, rates)
+        return Guidance(self.phases.copy(), headings, rates, self.style.astype(np.float32))
 
     def restart(
         self, ids: NDArray[np.integer], phases: NDArray[np.integer], root_heading: NDArray[np.floating]
@@ -69,24 +113,41 @@ class Guide:
         """Guide the worlds `ids` from these phases (n,) on, in the directions that their roots' headings (N,) imply."""
         self.phases[ids] = phases
         self.headings[ids] = (root_heading - self._facing[self.phases])[ids]
-        self.turn_rates[ids] = 0
+        self.turn_rates[ids], self._between[ids] = 0, 0
+        self.style[ids], self.calm_steps[ids] = 1, _LONG_CALM
 
-    def advance(self, to_target: NDArray[np.floating], root_heading: NDArray[np.floating]) -> None:
+    def advance(
+        self, to_target: NDArray[np.floating], root_heading: NDArray[np.floating], speeds: NDArray[np.floating]
+    ) -> None:
         """One control step.
 
         Args:
             to_target: (N, 2) from the roots to the targets [m], world.
             root_heading: (N,) headings of the roots after the step [rad], world.
+            speeds: (N,) preferred [m/s].
         """
-        self.phases = self.motion.wrapped(self.phases + 1)
-        left = _wrapped(np.arctan2(to_target[:, 1], to_target[:, 0]) - self.headings)
+        self._advance_phases(speeds)
+        travel, target = root_heading - self._facing[self.phases], np.arctan2(to_target[:, 1], to_target[:, 0])
         far = np.clip((np.hypot(*to_target.T) - NEAR) / (FAR - NEAR), 0, 1)
-        wanted = np.clip(TURN_GAIN * left, -self.fastest_turn, self.fastest_turn) * far
+        wanted = TURN_GAIN * _wrapped(target - self.headings)
+        wanted = np.clip(wanted, -self.fastest_turn, self.fastest_turn) * far
         most = TURN_ACCELERATION * CONTROL_DT
         self.turn_rates += np.clip(wanted - self.turn_rates, -most, most)
         self.headings += CONTROL_DT * self.turn_rates
-        lead = _wrapped(self.headings - (root_heading - self._facing[self.phases]))
-        self.headings -= lead - np.clip(lead, -LONGEST_LEAD, LONGEST_LEAD)
+        lead = _wrapped(self.headings - travel)
+        self.headings -= lead - np.clip(lead, -self.longest_lead, self.longest_lead)
+        self._weigh_style(np.abs(_wrapped(target - travel)) * far)
+
+    def _advance_phases(self, speeds: NDArray[np.floating]) -> None:
+        tempo = np.clip((speeds / self.motion.mean_speed) ** TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO)
+        clock = self.phases + self._between + tempo
+        phases = np.rint(clock).astype(np.int64)
+        self.phases, self._between = self.motion.wrapped(phases), clock - phases
+
+    def _weigh_style(self, angles: NDArray[np.floating]) -> None:
+        """By the angles (N,) [rad], not negative, between travel and target."""
+        self.style = np.clip(STYLE_AT_REST - angles / STYLE_ANGLE, self.least_style, 1.0)
+        self.calm_steps = np.where(self.style < CALM_STYLE, 0, self.calm_steps + 1)
 
     def errors(self, positions: NDArray[np.floating]) -> NDArray[np.floating]:
         """(N,) mean distance [m] of the links at positions (N, L, 3), heading frame, from the guides' phases."""

@@ -6,6 +6,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from sb3_adaptnet.algorithms.tracking.footsteps import footsteps_per_second
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.links import from_observed, heading_view, to_observed
 
@@ -35,6 +36,7 @@ class TrackedMotion:
         positions: (P, L, 3) of the links [m], heading frame: for comparing on the CPU.
         cyclic: whether phase 0 follows the last one.
         mean_speed: of the root [m/s].
+        footsteps: of both feet per second; infinite if none are found.
     """
 
     links: torch.Tensor
@@ -48,6 +50,7 @@ class TrackedMotion:
     positions: NDArray[np.float32]
     cyclic: bool
     mean_speed: float
+    footsteps: float
 
     @classmethod
     def of(
@@ -94,6 +97,7 @@ class TrackedMotion:
             positions=links[0:9:3].permute(2, 1, 0).contiguous().numpy(),
             cyclic=cyclic,
             mean_speed=mean_speed,
+            footsteps=footsteps_per_second(links[6, _feet(character)[0]].numpy(), cyclic),
         )
 
     def __len__(self) -> int:

@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from sb3_adaptnet.algorithms.svg_loss import smoothness_loss
-from sb3_adaptnet.algorithms.svg_settings import Episodes, Exploration, LossWeights, grouped
+from sb3_adaptnet.algorithms.svg_settings import CostToGo, Episodes, Exploration, LossWeights, grouped
 
 
 def test_smoothness_is_the_squared_change():
@@ -20,5 +20,9 @@ def test_settings_come_in_groups():
         grouped(Exploration, {"noise": 1})
     with pytest.raises(ValueError, match="episodes of 9 to 3 steps"):
         Episodes(fewest_steps=9, most_steps=3)
-    with pytest.raises(ValueError, match="turn_rate"):
-        Episodes(turn_rate={0: -1.0})
+    with pytest.raises(ValueError, match="episodes of 9 to 3 steps"):
+        Episodes(fewest_loose_steps=9, most_loose_steps=3)
+    with pytest.raises(ValueError, match="goal_spread"):
+        Episodes(goal_spread={0: -1.0})
+    with pytest.raises(ValueError, match="discount"):
+        CostToGo(discount=1.0)

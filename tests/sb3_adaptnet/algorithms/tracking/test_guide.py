@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from adapt_envs import make_vector
-from sb3_adaptnet.algorithms.tracking.guide import CONTROL_DT, LONGEST_LEAD, TURN_ACCELERATION, Guide
+from sb3_adaptnet.algorithms.tracking.guide import CONTROL_DT, TURN_ACCELERATION, Guide, Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.character import Character
 
@@ -20,6 +20,10 @@ def guide():
     return guide
 
 
+def at_own_speed(guide):
+    return np.full(5, guide.motion.mean_speed)
+
+
 def test_a_guide_begins_where_its_character_faces(guide):
     assert np.allclose(guide.headings, 0, atol=1e-6)
     assert np.array_equal(guide.phases, np.arange(5))
@@ -29,7 +33,7 @@ def test_it_turns_to_the_target_as_fast_as_it_may(guide):
     angles = np.array([0.0, 0.4, 1.5, -1.5, 3.0])
     target, headings = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1), []
     for _ in range(300):
-        guide.advance(target, guide.headings + guide._facing[guide.phases])
+        guide.advance(target, guide.headings + guide._facing[guide.phases], at_own_speed(guide))
         headings.append(guide.headings.copy())
     rates = np.diff(headings, axis=0) / CONTROL_DT
     assert np.abs(rates).max() == pytest.approx(0.6)
@@ -38,14 +42,14 @@ def test_it_turns_to_the_target_as_fast_as_it_may(guide):
 
 
 def test_it_keeps_its_direction_near_the_target(guide):
-    guide.advance(np.full((5, 2), 0.1), guide.headings)
+    guide.advance(np.full((5, 2), 0.1), guide.headings, at_own_speed(guide))
     assert np.allclose(guide.headings, 0, atol=1e-6)
 
 
 def test_it_waits_for_its_character(guide):
     for _ in range(300):
-        guide.advance(np.array([[0.0, 5.0]] * 5), guide._facing[guide.phases])
-    assert np.allclose(guide.headings, LONGEST_LEAD, atol=0.05)
+        guide.advance(np.array([[0.0, 5.0]] * 5), guide._facing[guide.phases], at_own_speed(guide))
+    assert np.allclose(guide.headings, 1.5, atol=0.05)
 
 
 def test_it_finds_its_phase_again(guide):
@@ -55,3 +59,34 @@ def test_it_finds_its_phase_again(guide):
     guide.resynchronise(positions)
     assert np.array_equal(guide.phases[:4], true[:4])
     assert abs(guide.phases[4] - true[4]) == 3
+
+
+def test_its_tempo_is_the_root_of_the_speed(guide):
+    speeds = guide.motion.mean_speed * np.array([1.0, 0.9, 1.1, 0.1, 9.0])
+    before = guide.phases.copy()
+    for _ in range(40):
+        guide.advance(np.full((5, 2), 0.1), guide.headings, speeds)
+    gone = (guide.phases + guide._between - before) % len(guide.motion)
+    assert np.allclose(gone, 40 * np.clip(np.sqrt([1.0, 0.9, 1.1, 0.1, 9.0]), 0.87, 1.15))
+
+
+def test_the_style_counts_less_in_turns(guide):
+    guide.least_style, angles = 0.2, np.array([0.0, 0.24, 0.8, -0.8, 3.0])
+    target = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    facing = guide._facing[guide.motion.wrapped(guide.phases + 1)]
+    guide.advance(target, facing, at_own_speed(guide))
+    assert np.allclose(guide.style, [1, 1, 0.3, 0.3, 0.2], atol=1e-6)
+    assert (guide.calm_steps > 1000).tolist() == [True, True, False, False, False]
+    guide.least_style = 1.0
+    guide.advance(target, facing, at_own_speed(guide))
+    assert np.allclose(guide.style, 1)
+    assert guide.calm_steps[4] == 1
+    guide.restart(np.array([4]), np.array([0]), facing)
+    assert guide.calm_steps[4] > 1000
+
+
+def test_what_no_guide_can_do_is_refused():
+    with pytest.raises(ValueError, match="turn_rate"):
+        Guiding(turn_rate={0: -1.0})
+    with pytest.raises(ValueError, match="must be positive"):
+        Guiding(longest_lead=0.0)

@@ -7,7 +7,7 @@ import torch
 from adapt_envs import make_vector
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights, tracking_loss, turned
-from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights, travel_loss
+from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights, travel_errors, travel_loss
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.links import heading_view
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
@@ -32,7 +32,11 @@ def test_the_reference_costs_nothing(case):
     assert tracked.max() < 1e-4
     headings = torch.atan2(view.sin, view.cos) - motion.facing
     speeds = torch.full((len(motion),), motion.mean_speed)
-    assert travel_loss(state.velocity, view, motion, phases, headings, speeds, TravelWeights()).max() < 1e-4
+    errors = travel_errors(state.velocity, view, motion, phases, headings, speeds)
+    assert travel_loss(errors, TravelWeights()).max() < 1e-4
+    turned_left = travel_errors(state.velocity, view, motion, phases, headings - 0.3, speeds)
+    assert torch.allclose(turned_left.turned_left, torch.sin(torch.tensor(0.3)), atol=1e-4)
+    assert torch.allclose(turned_left.alike, torch.cos(torch.tensor(0.3)), atol=1e-4)
     assert (tracking_loss(state, view.links, motion, (phases + 9) % len(motion), rest, TrackingWeights()) > 0).all()
 
 

@@ -1,0 +1,198 @@
+"""The critic: which costs a state leads to. At a window's end it sees what the window is too short for: falls."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple, cast
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import torch
+from stable_baselines3.common.logger import Logger
+from torch import nn
+from torch.nn import functional
+
+from sb3_adaptnet.algorithms.cost_returns import costs_to_go
+from sb3_adaptnet.algorithms.imagination import Imagined
+from sb3_adaptnet.algorithms.real_rollout import Guided, RealRollout, moving
+from sb3_adaptnet.algorithms.svg_loss import CostToCome, state_costs
+from sb3_adaptnet.algorithms.svg_settings import CostToGo, LossWeights
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
+from sb3_adaptnet.algorithms.tracking.travel_loss import VELOCITY_SCALE, travel_errors
+from sb3_adaptnet.world_model.links import HeadingView
+from sb3_adaptnet.world_model.model import WorldModel
+from sb3_adaptnet.world_model.pseudo_huber import pseudo_huber
+from sb3_adaptnet.world_model.state import State
+
+LEARNING_RATE = 1e-3
+"""Adam's."""
+WIDTH = 256
+"""Numbers of each of the two hidden layers."""
+SCALE = 20.0
+"""Costs-to-go are about so large; the last layer's numbers then are about 1."""
+ERROR_SCALE = 5.0
+"""Error of a cost-to-go from which on the loss grows straight."""
+HARMONICS = 3
+"""Sines and cosines of so many multiples of the phase's angle tell the phase."""
+TASK_NUMBERS = 9 + 2 * HARMONICS
+"""Numbers that tell the critic what a state should be like."""
+_FIRST_SHARE = 0.1
+"""The last layer starts with so small a share of its usual weights."""
+_NO_DIRECTION = 0.05
+"""Closer than this [m] the direction to the target fades."""
+
+
+class CostCritic(nn.Module):
+    """Posture and task (B, n) -> cost-to-go (B,), never negative.
+
+    Attributes:
+        updates: () so often it learned; it knows nothing before the first.
+    """
+
+    updates: torch.Tensor
+
+    def __init__(self, model: WorldModel) -> None:
+        """Prepare for the postures of a world model."""
+        super().__init__()
+        inputs = len(model.dynamics.input_mean) - len(model.character.joints) + TASK_NUMBERS
+        last = nn.Linear(WIDTH, 1)
+        self.layers = nn.Sequential(
+            nn.Linear(inputs, WIDTH), nn.SiLU(), nn.Linear(WIDTH, WIDTH), nn.SiLU(), last
+        )  # fmt: skip
+        self.register_buffer("updates", torch.zeros((), dtype=torch.long))
+        with torch.no_grad():
+            last.weight.mul_(_FIRST_SHARE)
+
+    def forward(self, inputs: torch.Tensor) -> torch.Tensor:
+        """Costs-to-go (B,)."""
+        return SCALE * functional.softplus(self.layers(inputs)[:, 0])
+
+
+def critic_inputs(
+    model: WorldModel, motion: TrackedMotion, state: State, view: HeadingView, guided: Guided
+) -> torch.Tensor:
+    """What the critic reads, (B, n): posture, and the errors, phase and goal relative to the guide."""
+    errors = travel_errors(state.velocity, view, motion, guided.phases, guided.headings, guided.speeds)
+    cos, sin = torch.cos(guided.headings), torch.sin(guided.headings)
+    x, y = guided.targets.t() - state.position[:2]
+    distance = torch.sqrt(x * x + y * y).clamp_min(_NO_DIRECTION)
+    angle = 2 * math.pi / len(motion) * guided.phases
+    task = [
+        3 * (errors.alike - 1),
+        2 * errors.turned_left,
+        errors.ahead / VELOCITY_SCALE,
+        errors.aside / VELOCITY_SCALE,
+        guided.speeds / motion.mean_speed - 1,
+        (cos * x + sin * y) / distance,
+        (cos * y - sin * x) / distance,
+        torch.tanh(distance),
+        guided.turn_rates,
+        *(wave(number * angle) for number in range(1, HARMONICS + 1) for wave in (torch.sin, torch.cos)),
+    ]
+    return torch.cat((model.posture(view, state), torch.stack(task, dim=1)), dim=1)
+
+
+class _Judged(NamedTuple):
+    """A rollout as the critic sees it: inputs (T * N, n), costs, ended and failed (T, N)."""
+
+    inputs: torch.Tensor
+    costs: torch.Tensor
+    ended: torch.Tensor
+    failed: torch.Tensor
+
+
+class CriticTraining:
+    """Teaches a critic the costs of real rollouts."""
+
+    def __init__(
+        self,
+        critic: CostCritic,
+        optimizer: torch.optim.Optimizer,
+        model: WorldModel,
+        motion: TrackedMotion,
+        weights: LossWeights,
+        settings: CostToGo,
+    ) -> None:
+        """Teach `critic` what the losses with these `weights` cost over time."""
+        self.critic, self.optimizer, self.model, self.motion = critic, optimizer, model, motion
+        self.weights, self.settings = weights, settings
+        self._seen: WeakKeyDictionary[RealRollout, _Judged] = WeakKeyDictionary()
+
+    def learned(
+        self, weight: float, rollouts: Sequence[RealRollout], rng: np.random.Generator, logger: Logger
+    ) -> CostToCome | None:
+        """What the critic adds to the loss, after it learned; None, and nothing learned, without a weight."""
+        if weight == 0:
+            return None
+        for name, value in self.learn(rollouts, rng).items():
+            logger.record(f"svg/{name}", value)
+        return self.to_come(weight)
+
+    def to_come(self, weight: float) -> CostToCome:
+        """What the critic adds to the loss, `weight` times."""
+
+        def weighted(last: Imagined) -> torch.Tensor:
+            inputs = critic_inputs(self.model, self.motion, last.state, last.view, last.guided)
+            return cast(torch.Tensor, weight * self.critic(inputs))
+
+        return weighted
+
+    def learn(self, rollouts: Sequence[RealRollout], rng: np.random.Generator) -> dict[str, float]:
+        """Learn from the latest rollouts, longer the first time; every other batch is from the last one.
+
+        Returns:
+            What to log: mean target and explained share of the variance.
+        """
+        settings, fresh = self.settings, bool(self.critic.updates == 0)
+        count = settings.first_rollouts if fresh else settings.rollouts
+        recent = [self._judged(rollout) for rollout in rollouts[-count:]]
+        explained, target = [], torch.zeros(1)
+        self.critic.requires_grad_(True)
+        aims: list[torch.Tensor] = []
+        for number in range(settings.first_updates if fresh else settings.updates):
+            if number % settings.updates == 0:  # the critic's own values are in them
+                aims = [self._aims(judged) for judged in recent]
+            chosen = len(recent) - 1 if number % 2 == 0 else int(rng.integers(len(recent)))
+            known = (~aims[chosen].isnan()).nonzero()[:, 0]
+            if not len(known):
+                continue
+            rows = known[torch.as_tensor(rng.integers(len(known), size=settings.batch), device=known.device)]
+            target = aims[chosen][rows]
+            explained.append(self._descend(recent[chosen].inputs[rows], target))
+        self.critic.requires_grad_(False)
+        return {"cost_to_go": float(target.mean()), "critic_explains": float(np.mean(explained or [0.0]))}
+
+    def _descend(self, inputs: torch.Tensor, target: torch.Tensor) -> float:
+        error = self.critic(inputs) - target
+        loss = pseudo_huber(error.square(), ERROR_SCALE).mean()
+        self.optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(self.critic.parameters(), 1.0)
+        self.optimizer.step()
+        self.critic.updates += 1
+        return float(1 - error.detach().square().mean() / target.var().clamp_min(1e-6))
+
+    @torch.no_grad()
+    def _aims(self, judged: _Judged) -> torch.Tensor:
+        """(T * N,) costs-to-go, NaN where not known."""
+        settings, values = self.settings, self.critic(judged.inputs).view_as(judged.costs)
+        return costs_to_go(
+            judged.costs, values, judged.ended, judged.failed,
+            discount=settings.discount, trace=settings.trace, end_cost=settings.end_cost,
+        ).flatten()  # fmt: skip
+
+    @torch.no_grad()
+    def _judged(self, rollout: RealRollout) -> _Judged:
+        if rollout not in self._seen:
+            device, data = self.model.middles.device, rollout.transitions
+            inputs, costs = [], []
+            for step, ended in enumerate(data.ended):
+                after = (moving(part[step + 1], device) for part in (data.qpos, data.qvel))
+                state = State.from_mujoco(*after)
+                view = self.model.view(self.model.kinematics(state))
+                guided = rollout.guided(step, ~ended, ended, device)
+                inputs.append(critic_inputs(self.model, self.motion, state, view, guided))
+                parts = state_costs(state, view, self.motion, guided, self.weights)
+                costs.append(torch.stack(list(parts.values())).sum(0))
+            ends = (moving(part, device) for part in (data.ended, rollout.failed))
+            self._seen[rollout] = _Judged(torch.cat(inputs), torch.stack(costs), *ends)
+        return self._seen[rollout]

@@ -1,0 +1,90 @@
+"""The critic learns what states lead to, acts when it knows, and slopes reach the policy through it."""
+
+import numpy as np
+import pytest
+import torch
+
+from sb3_adaptnet.algorithms.cost_critic import CriticTraining, critic_inputs
+from sb3_adaptnet.algorithms.imagination import imagine
+from sb3_adaptnet.algorithms.svg import SVG
+from sb3_adaptnet.algorithms.svg_loss import state_costs, window_loss
+from sb3_adaptnet.runs.saver import restore, snapshot
+
+SHORT = {"updates": 2, "first_updates": 6, "batch": 16}
+
+
+@pytest.fixture
+def svg(make_svg):
+    return make_svg(episodes={"fewest_steps": 3, "most_steps": 9, "loose_share": 0}, cost_to_go=SHORT).learn(96)
+
+
+def window(svg, steps=4):
+    return imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts[-1], 1, steps)
+
+
+def test_it_reads_real_and_imagined_states_alike(svg):
+    svg.collect_rollout(quiet())
+    judged = svg._critic_training._judged(svg._rollouts[-1])
+    read = judged.inputs.view(*judged.costs.shape, -1)
+    with torch.no_grad(), svg.weight_average.learning():
+        steps = list(window(svg))
+    on = steps[-1].guided.weights.bool()
+    for number, step in enumerate(steps, start=1):
+        found = critic_inputs(svg.world_model, svg.motion, step.state, step.view, step.guided)
+        assert torch.allclose(found[on], read[number][on], atol=0.05)  # normalised: soles are in centimetres
+        costs = state_costs(step.state, step.view, svg.motion, step.guided, svg.loss_weights)
+        assert torch.allclose(sum(costs.values())[on], judged.costs[number][on], atol=1e-2)
+
+
+def test_every_world_is_valued_once_where_it_is_last_seen(svg):
+    steps = list(window(svg))
+    seen = sum(step.guided.last.int() for step in steps)
+    assert torch.equal(seen, steps[0].guided.weights.int())
+    ends = [step.last_seen() for step in steps]
+    assert sum(len(end.actions) for end in ends if end is not None) == int(seen.sum())
+
+
+def test_slopes_reach_the_policy_through_the_value_alone(svg):
+    loss, parts = window_loss(window(svg), svg.motion, svg.loss_weights, svg._critic_training.to_come(1.0))
+    plain, _ = window_loss(window(svg), svg.motion, svg.loss_weights)
+    assert float((loss - plain).detach()) == pytest.approx(parts["to_come"], rel=1e-3)
+    assert parts["to_come"] > 0
+    slopes = torch.autograd.grad(loss - plain, svg._learned_weights(), allow_unused=True)
+    assert any(slope is not None and bool(slope.abs().max() > 0) for slope in slopes)
+
+
+def test_it_explains_the_costs_of_one_rollout_after_a_while(svg):
+    training: CriticTraining = svg._critic_training
+    for _ in range(100):
+        log = training.learn([svg._rollouts[-1]], np.random.default_rng(0))
+    assert log["critic_explains"] > 0.5
+    assert log["cost_to_go"] > 0
+    assert not any(p.requires_grad for p in svg.critic.parameters())
+
+
+def test_it_learns_long_before_it_first_acts(make_svg):
+    model = make_svg(cost_to_go={**SHORT, "weight": {0: 0.0, 48: 0.0, 96: 0.25}})
+    model.learn(48)
+    assert model.critic.updates == 0
+    model.learn(48, reset_num_timesteps=False)
+    assert model.critic.updates == SHORT["first_updates"]
+    model.learn(48, reset_num_timesteps=False)
+    assert model.critic.updates == SHORT["first_updates"] + SHORT["updates"]
+
+
+def test_saving_and_checkpoints_keep_it(svg, make_svg, tmp_path):
+    svg.save(tmp_path / "model")
+    other = make_svg()
+    restore(other, None, snapshot(svg, None, 0.0))
+    for again in (SVG.load(tmp_path / "model", device="cpu"), other):
+        for name, tensor in svg.critic.state_dict().items():
+            assert torch.equal(again.critic.state_dict()[name], tensor)
+        assert again.critic_optimizer.state_dict()["state"].keys() == svg.critic_optimizer.state_dict()["state"].keys()
+
+
+def quiet():
+    class Nothing:
+        def __getattr__(self, name):
+            return lambda *_: True
+
+    return Nothing()

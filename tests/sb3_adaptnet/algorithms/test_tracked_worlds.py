@@ -1,0 +1,76 @@
+"""Which errors end an episode, which ends are failures, and what follows the samples."""
+
+import numpy as np
+import pytest
+import torch
+
+from sb3_adaptnet import AdaptVecEnv
+from sb3_adaptnet.algorithms.svg_settings import Episodes
+from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
+from sb3_adaptnet.algorithms.tracking.guide import Guiding
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
+from sb3_adaptnet.world_model.character import Character
+
+WORLDS = 20
+
+
+@pytest.fixture
+def make_worlds():
+    def make(guiding=None, **episodes):
+        env = AdaptVecEnv("AdaptNet/Humanoid-GooseStep-v0", num_envs=WORLDS, num_threads=1, seed=0)
+        env.reset()
+        character, reference = Character.of(env.simulation.model), env.simulation.reference_states._asdict()
+        motion = TrackedMotion.of(character, torch.device("cpu"), **reference)
+        worlds = TrackedWorlds(env, motion, Episodes(**episodes), guiding or Guiding(), np.random.default_rng(0))
+        worlds.schedule(0)
+        worlds.begin()
+        return worlds
+
+    return make
+
+
+def steps(worlds, count):
+    """Limp characters: they soon sink and fall."""
+    return [worlds.step(np.zeros((WORLDS, 28), np.float32)) for _ in range(count)]
+
+
+def test_loose_worlds_end_later(make_worlds):
+    worlds = make_worlds(error_limit=0.05, loose_limit=9.0, loose_share=0.5)
+    assert worlds.loose.tolist() == [True] * 10 + [False] * 10
+    worlds.env.set_attr("goal_spread", 0.0)
+    worlds.guide.least_style = 1.0  # nobody counts as turning
+    for step in steps(worlds, 12):
+        off = step.errors > 0.05
+        assert np.array_equal(step.ended[10:], (step.dones | off)[10:])
+        assert np.array_equal(step.failed & ~step.dones, off & ~worlds.loose & ~step.dones)
+        assert np.array_equal(step.ended[:10], step.dones[:10])
+
+
+def test_a_fall_is_a_failure_and_a_limit_of_steps_is_none(make_worlds):
+    worlds = make_worlds(error_limit=9.0, loose_limit=9.0, fewest_steps=2, most_steps=2, loose_share=0.5)
+    fallen = 0
+    for step in steps(worlds, 60):
+        for world in np.flatnonzero(step.dones):
+            assert step.failed[world] == (step.infos[world]["end"] == "fall")
+            fallen += step.failed[world]
+        assert not (step.failed & ~step.dones).any()
+    assert fallen > 0
+    assert (step.ended & ~step.failed).any()
+
+
+def test_the_tight_limit_waits_until_a_world_is_calm(make_worlds):
+    worlds = make_worlds(error_limit=0.1, loose_limit=0.4, calm_seconds=1.5, loose_share=0)
+    worlds.guide.calm_steps[:] = np.arange(WORLDS) + 30
+    assert np.allclose(worlds._error_limits(), [0.4] * 15 + [0.1] * 5)
+
+
+def test_schedules_follow_the_samples(make_worlds):
+    guiding = Guiding(turn_rate={0: 0.2, 100: 9.0}, least_style={0: 1.0, 100: 0.2})
+    worlds = make_worlds(guiding, error_limit={0: 0.3, 100: 0.1}, goal_spread={0: 0.0, 100: 1.0}, loose_share={100: 0})
+    assert (worlds.guide.fastest_turn, worlds.guide.least_style, worlds.error_limit) == (0.2, 1.0, 0.3)
+    worlds.schedule(100)
+    assert worlds.guide.fastest_turn == pytest.approx(0.8 * 2 / 2.2)  # a stride of the clip takes 2.2 s
+    assert worlds.guide.least_style == pytest.approx(0.2)
+    assert worlds.error_limit == pytest.approx(0.1)
+    worlds.schedule(50)
+    assert worlds.env.vector_env.unwrapped.goal_spread == pytest.approx(0.5)
