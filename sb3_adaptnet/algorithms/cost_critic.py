@@ -23,8 +23,10 @@ from sb3_adaptnet.world_model.model import WorldModel
 from sb3_adaptnet.world_model.pseudo_huber import pseudo_huber
 from sb3_adaptnet.world_model.state import State
 
-LEARNING_RATE = 1e-3
-"""Adam's."""
+LEARNING_RATE, BATCH = 1e-3, 512
+"""Adam's, and states per update."""
+RECENT, RECENT_AT_FIRST = 4, 6
+"""Latest rollouts that it learns from, later and the first time."""
 WIDTH = 256
 """Numbers of each of the two hidden layers."""
 SCALE = 20.0
@@ -142,20 +144,20 @@ class CriticTraining:
         Returns:
             What to log: mean target and explained share of the variance.
         """
-        settings, fresh = self.settings, bool(self.critic.updates == 0)
-        count = settings.first_rollouts if fresh else settings.rollouts
-        recent = [self._judged(rollout) for rollout in rollouts[-count:]]
+        fresh = bool(self.critic.updates == 0)
+        recent = [self._judged(rollout) for rollout in rollouts[-(RECENT_AT_FIRST if fresh else RECENT) :]]
         explained, target = [], torch.zeros(1)
         self.critic.requires_grad_(True)
         aims: list[torch.Tensor] = []
-        for number in range(settings.first_updates if fresh else settings.updates):
-            if number % settings.updates == 0:  # the critic's own values are in them
+        first, later = self.settings.updates
+        for number in range(first if fresh else later):
+            if number % later == 0:  # the critic's own values are in them
                 aims = [self._aims(judged) for judged in recent]
             chosen = len(recent) - 1 if number % 2 == 0 else int(rng.integers(len(recent)))
             known = (~aims[chosen].isnan()).nonzero()[:, 0]
             if not len(known):
                 continue
-            rows = known[torch.as_tensor(rng.integers(len(known), size=settings.batch), device=known.device)]
+            rows = known[torch.as_tensor(rng.integers(len(known), size=BATCH), device=known.device)]
             target = aims[chosen][rows]
             explained.append(self._descend(recent[chosen].inputs[rows], target))
         self.critic.requires_grad_(False)

@@ -16,7 +16,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
-from sb3_adaptnet.algorithms.cost_critic import CriticTraining
+from sb3_adaptnet.algorithms.cost_critic import RECENT_AT_FIRST, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
@@ -138,7 +138,7 @@ class SVG(ModelBasedAlgorithm):
         self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.guiding, self.rng)
         self._worlds.schedule(self.num_timesteps)
         self._worlds.begin()
-        kept = max(self.model_refresh.rollouts, self.recent_rollouts, self.cost_to_go.first_rollouts)
+        kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT_AT_FIRST)
         self._rollouts = deque[RealRollout](maxlen=kept)
         self._critic_training = CriticTraining(
             self.critic, self.critic_optimizer, self.world_model, self.motion, self.loss_weights, self.cost_to_go

@@ -20,20 +20,18 @@ class Episodes:
         loose_limit: the same for loose worlds, and for all others until they have been calm for a while.
         loose_share: share of the worlds that are loose: they last longer, and seldom end by their error.
         calm_seconds: so long [s] after turning only the loose limit holds.
-        fewest_steps, most_steps: control steps of an episode.
-        fewest_loose_steps, most_loose_steps: control steps of a loose world's.
         goal_spread: share of the circle, centred ahead, that new goals lie in; 1 is the task's own.
+        steps: fewest and most control steps of an episode.
+        loose_steps: the same of a loose world.
     """
 
     error_limit: Schedule = 0.16
     loose_limit: float = 0.4
     loose_share: Schedule = 0.5
     calm_seconds: float = 1.5
-    fewest_steps: int = 50
-    most_steps: int = 150
-    fewest_loose_steps: int = 100
-    most_loose_steps: int = 450
     goal_spread: Schedule = 1.0
+    steps: tuple[int, int] = (50, 150)
+    loose_steps: tuple[int, int] = (100, 450)
 
     def __post_init__(self) -> None:
         """Check the numbers.
@@ -43,7 +41,7 @@ class Episodes:
         """
         for name in ("error_limit", "loose_limit", "loose_share", "calm_seconds", "goal_spread"):
             check_schedule(name, getattr(self, name))
-        for fewest, most in ((self.fewest_steps, self.most_steps), (self.fewest_loose_steps, self.most_loose_steps)):
+        for fewest, most in (self.steps, self.loose_steps):
             if not 0 < fewest <= most:
                 raise ValueError(f"episodes of {fewest} to {most} steps do not exist")
 
@@ -88,20 +86,14 @@ class CostToGo:
         trace: lambda of TD(lambda).
         end_cost: cost-to-go of a fall and of an end by the error. It must be above what a bad state costs otherwise:
             60 was not.
-        updates, first_updates: per rollout, and before it acts first.
-        rollouts, first_rollouts: latest rollouts that they are taken from.
-        batch: states per update.
+        updates: before it acts first, and per rollout from then on.
     """
 
     weight: Schedule = 0.25
     discount: float = 0.97
     trace: float = 0.9
     end_cost: float = 100.0
-    updates: int = 12
-    first_updates: int = 300
-    rollouts: int = 4
-    first_rollouts: int = 6
-    batch: int = 512
+    updates: tuple[int, int] = (300, 12)
 
     def __post_init__(self) -> None:
         """Check the numbers.

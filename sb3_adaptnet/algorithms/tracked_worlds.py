@@ -95,10 +95,8 @@ class TrackedWorlds:
     def _follow(self, ids: NDArray[np.integer]) -> None:
         starts = self.env.simulation.start_states[ids]
         self.guide.restart(ids, starts, self._root_headings())
-        episodes, loose = self._episodes, self.loose[ids]
-        fewest = np.where(loose, episodes.fewest_loose_steps, episodes.fewest_steps)
-        most = np.where(loose, episodes.most_loose_steps, episodes.most_steps)
-        self._ages[ids], self._limits[ids] = 0, self.rng.integers(fewest, most + 1)
+        lengths = np.where(self.loose[ids, None], self._episodes.loose_steps, self._episodes.steps)
+        self._ages[ids], self._limits[ids] = 0, self.rng.integers(lengths[:, 0], lengths[:, 1] + 1)
 
     def _root_headings(self) -> NDArray[np.floating]:
         w, x, y, z = self.env.simulation.physics_states.qpos[:, 3:7].T

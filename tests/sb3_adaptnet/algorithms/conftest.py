@@ -14,7 +14,7 @@ from sb3_adaptnet.world_model.model import Sizes, WorldModel
 
 TINY = {
     "n_steps": 8, "window": 4, "gradient_steps": 2, "recent_rollouts": 2, "regression_updates": 3, "seed": 0,
-    "model_refresh": {"updates": 1, "batch": 16}, "cost_to_go": {"updates": 2, "first_updates": 6, "batch": 16},
+    "model_refresh": {"updates": 1, "batch": 16}, "cost_to_go": {"updates": (6, 2)},
     "device": "cpu", "learning_rate": {0: 1e-3, 100: 1e-4},
 }  # fmt: skip
 

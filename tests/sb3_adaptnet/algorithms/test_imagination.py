@@ -12,7 +12,7 @@ from sb3_adaptnet.world_model.state import State
 
 @pytest.fixture
 def svg(make_svg):
-    model = make_svg(episodes={"fewest_steps": 3, "most_steps": 9})
+    model = make_svg(episodes={"steps": (3, 9)})
     model.learn(48)
     return model
 

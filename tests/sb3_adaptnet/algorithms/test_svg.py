@@ -55,7 +55,7 @@ def test_a_saved_model_acts_alike_and_goes_on(make_svg, tmp_path):
 
 
 def test_the_log_says_what_happened(make_svg, tmp_path):
-    model = make_svg(episodes={"fewest_steps": 2, "most_steps": 5})
+    model = make_svg(episodes={"steps": (2, 5)})
     model.set_logger(configure(str(tmp_path), ["csv"]))
     model.learn(96)
     names = (tmp_path / "progress.csv").read_text().splitlines()[0].split(",")

@@ -19,9 +19,9 @@ def test_settings_come_in_groups():
     with pytest.raises(ValueError, match="Exploration has no 'noise'; it has std, share"):
         grouped(Exploration, {"noise": 1})
     with pytest.raises(ValueError, match="episodes of 9 to 3 steps"):
-        Episodes(fewest_steps=9, most_steps=3)
+        Episodes(steps=(9, 3))
     with pytest.raises(ValueError, match="episodes of 9 to 3 steps"):
-        Episodes(fewest_loose_steps=9, most_loose_steps=3)
+        Episodes(loose_steps=(9, 3))
     with pytest.raises(ValueError, match="goal_spread"):
         Episodes(goal_spread={0: -1.0})
     with pytest.raises(ValueError, match="discount"):

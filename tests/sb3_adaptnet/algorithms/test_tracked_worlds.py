@@ -47,7 +47,7 @@ def test_loose_worlds_end_later(make_worlds):
 
 
 def test_a_fall_is_a_failure_and_a_limit_of_steps_is_none(make_worlds):
-    worlds = make_worlds(error_limit=9.0, loose_limit=9.0, fewest_steps=2, most_steps=2, loose_share=0.5)
+    worlds = make_worlds(error_limit=9.0, loose_limit=9.0, steps=(2, 2), loose_share=0.5)
     fallen = 0
     for step in steps(worlds, 60):
         for world in np.flatnonzero(step.dones):
