@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 import torch
 from gymnasium import spaces
+from numpy.typing import NDArray
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 from stable_baselines3.common.utils import FloatSchedule
@@ -122,6 +123,16 @@ class ModelBasedAlgorithm(BaseAlgorithm):
 
     def _now(self, schedule: Schedule) -> float:
         return value_at(schedule, self.num_timesteps)
+
+    def predict(self, *args: Any, **kwargs: Any) -> tuple[NDArray[Any], tuple[NDArray[Any], ...] | None]:
+        """Act by the average weights; as in Stable-Baselines3."""
+        with self.weight_average.acting():
+            return super().predict(*args, **kwargs)
+
+    def save(self, *args: Any, **kwargs: Any) -> None:
+        """Save, with the average as the policy; as in Stable-Baselines3."""
+        with self.weight_average.acting():
+            super().save(*args, **kwargs)
 
     def world_state(self) -> dict[str, Any]:
         """What a checkpoint needs beside the policy (which is the average): plain values."""

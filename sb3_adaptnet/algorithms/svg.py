@@ -37,8 +37,8 @@ from sb3_adaptnet.world_model.model import WorldModel
 class SVG(ModelBasedAlgorithm):
     """Adapts a policy of this package to the environment's reference motion and goals.
 
-    Every `learn` begins new episodes in all worlds. The policy is the running average of the weights; only callbacks
-    within a rollout (`on_step`) see the latest ones.
+    Every `learn` begins new episodes in all worlds. The policy is the running average of the weights, but for callbacks
+    within a rollout (`on_step`), which see the latest ones; `predict` and `save` use the average even there.
 
     Attributes:
         motion: what is tracked, once it learns.

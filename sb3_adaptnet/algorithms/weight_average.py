@@ -23,6 +23,7 @@ class WeightAverage(nn.Module):
         """Average these parameters, from their first update on."""
         super().__init__()
         self._parameters_of_policy = tuple(parameters)
+        self._latest_in_use = False
         self.register_buffer("updates", torch.zeros((), dtype=torch.long))
         for number, parameter in enumerate(parameters):
             self.register_buffer(f"other_{number}", parameter.detach().clone())
@@ -34,6 +35,20 @@ class WeightAverage(nn.Module):
     @contextmanager
     def learning(self) -> Iterator[None]:
         """Put the latest weights into the parameters for a while; afterwards they hold the average again."""
+        with self._turned_to(latest=True):
+            yield
+
+    @contextmanager
+    def acting(self) -> Iterator[None]:
+        """Put the average into the parameters for a while, whatever they hold; afterwards they hold that again."""
+        with self._turned_to(latest=False):
+            yield
+
+    @contextmanager
+    def _turned_to(self, *, latest: bool) -> Iterator[None]:
+        if latest == self._latest_in_use:
+            yield
+            return
         self._exchange()
         try:
             yield
@@ -42,7 +57,8 @@ class WeightAverage(nn.Module):
 
     @torch.no_grad()
     def _exchange(self) -> None:
-        if self.updates == 0:
+        self._latest_in_use = not self._latest_in_use
+        if self.updates == 0:  # nothing was learned, so that both are the same
             return
         for weights, others in self._pairs():
             kept = weights.clone()

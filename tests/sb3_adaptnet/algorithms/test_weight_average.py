@@ -1,7 +1,9 @@
 """The average is the exponential one, it is what the policy holds, and learning goes on from the latest weights."""
 
+import numpy as np
 import pytest
 import torch
+from stable_baselines3.common.callbacks import BaseCallback
 from torch import nn
 
 from sb3_adaptnet.algorithms.svg import SVG
@@ -35,14 +37,14 @@ def test_an_error_while_learning_leaves_the_average():
     assert weight.item() == 0.5
 
 
-def learned(model):
-    return [p for p in model.policy.actor.parameters() if p.requires_grad]
+def flat(model):
+    return torch.cat([p.detach().flatten() for p in model.policy.actor.parameters() if p.requires_grad])
 
 
 def both(model):
-    average = torch.cat([p.detach().flatten() for p in learned(model)])
+    average = flat(model)
     with model.weight_average.learning():
-        return average, torch.cat([p.detach().flatten() for p in learned(model)])
+        return average, flat(model)
 
 
 def test_saving_and_checkpoints_keep_average_and_latest(make_svg, tmp_path):
@@ -60,3 +62,21 @@ def test_saving_and_checkpoints_keep_average_and_latest(make_svg, tmp_path):
 
 def test_without_memory_the_average_is_the_latest(make_svg):
     assert torch.equal(*both(make_svg(average_decay=0.0).learn(96)))
+
+
+def test_whoever_looks_from_outside_sees_the_average(make_svg, tmp_path):
+    class Watcher(BaseCallback):
+        def _on_step(self):
+            self.predicted = self.model.predict(observations, deterministic=True)[0]
+            self.model.save(tmp_path / "within")
+            return True
+
+        def _on_rollout_end(self):
+            self.average = flat(self.model)
+            assert np.array_equal(self.predicted, self.model.policy.predict(observations, deterministic=True)[0])
+
+    model = make_svg()
+    observations = model.env.reset()
+    watcher = Watcher()
+    model.learn(144, callback=watcher)
+    assert torch.equal(flat(SVG.load(tmp_path / "within", device="cpu")), watcher.average)
