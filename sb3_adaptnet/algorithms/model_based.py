@@ -37,7 +37,6 @@ class ModelBasedAlgorithm(BaseAlgorithm):
     Attributes:
         world_model: the model, refreshed while the policy learns.
         world_optimizer: Adam for the model.
-        weight_average: of what the policy learns. The policy holds the average, except while it learns.
         critic: which costs a state leads to; frozen, except while it learns.
         critic_optimizer: Adam for the critic.
         norm_limit: running mean of the policy's gradients.
@@ -77,6 +76,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         check_schedule("learning_rate", learning_rate)
         self.model_refresh, self.norm_limit = model_refresh, NormLimit()
         self._n_updates = 0
+        self._average: WeightAverage | None = None
         if init_setup_model:
             self._open_world_model(world_model)
             self._setup_model()
@@ -101,7 +101,6 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         if not isinstance(policy, ObjectivePolicy):
             raise ValueError(f"SVG needs one of this package's policies, such as AdaptNetPolicy, not {policy}")
         self.policy = policy.to(self.device)
-        self.weight_average = WeightAverage(self._learned_weights())
         if "world_model" not in vars(self):
             character, sizes = self._model_description
             self.world_model = WorldModel(character, Sizes(*sizes))
@@ -110,6 +109,17 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.world_optimizer = torch.optim.Adam(self.world_model.parameters(), lr=rate)
         self.critic = CostCritic(self.world_model).to(self.device).requires_grad_(False)
         self.critic_optimizer = torch.optim.Adam(self.critic.parameters(), lr=LEARNING_RATE)
+
+    @property
+    def weight_average(self) -> WeightAverage:
+        """Average of what the policy learns, which the policy holds except while it learns.
+
+        A policy that was given other weights, as by `load_adaptation`, begins a new one.
+        """
+        weights, average = self._learned_weights(), self._average
+        if average is None or not average.watches(weights):
+            self._average = average = WeightAverage(weights)
+        return average
 
     def _learned_weights(self) -> list[torch.nn.Parameter]:
         return [parameter for parameter in self.policy.actor.parameters() if parameter.requires_grad]
@@ -155,6 +165,9 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.critic.load_state_dict(state["critic"])
         self.critic_optimizer.load_state_dict(state["critic_optimizer"])
         self.rng.bit_generator.state = json.loads(state["rng"])
+
+    def _excluded_save_params(self) -> list[str]:
+        return [*super()._excluded_save_params(), "_average"]
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
         learning = ["policy", "weight_average", "world_model", "critic"]

@@ -1,5 +1,6 @@
 """A running average of the learned weights: it acts for others, the latest weights act and learn while learning."""
 
+import operator
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -27,6 +28,11 @@ class WeightAverage(nn.Module):
         self.register_buffer("updates", torch.zeros((), dtype=torch.long))
         for number, parameter in enumerate(parameters):
             self.register_buffer(f"other_{number}", parameter.detach().clone())
+
+    def watches(self, parameters: Sequence[nn.Parameter]) -> bool:
+        """Whether it averages these very parameters."""
+        own = self._parameters_of_policy
+        return len(own) == len(parameters) and all(map(operator.is_, own, parameters))
 
     def _pairs(self) -> Iterator[tuple[torch.Tensor, torch.Tensor]]:
         for number, parameter in enumerate(self._parameters_of_policy):

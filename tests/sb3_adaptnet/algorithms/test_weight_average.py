@@ -6,6 +6,7 @@ import torch
 from stable_baselines3.common.callbacks import BaseCallback
 from torch import nn
 
+from sb3_adaptnet import save_adaptation
 from sb3_adaptnet.algorithms.svg import SVG
 from sb3_adaptnet.algorithms.weight_average import WeightAverage
 from sb3_adaptnet.runs.saver import restore, snapshot
@@ -80,3 +81,14 @@ def test_whoever_looks_from_outside_sees_the_average(make_svg, tmp_path):
     watcher = Watcher()
     model.learn(144, callback=watcher)
     assert torch.equal(flat(SVG.load(tmp_path / "within", device="cpu")), watcher.average)
+
+
+def test_a_loaded_adaptation_begins_a_new_average(make_svg, tmp_path):
+    model = make_svg().learn(48)
+    file = save_adaptation(model.policy, tmp_path / "mine")
+    model.learn(96, reset_num_timesteps=False)
+    model.policy.load_adaptation(file)
+    average, latest = both(model)
+    assert torch.equal(average, latest)
+    model.learn(48, reset_num_timesteps=False)
+    assert not torch.equal(flat(model), average)
