@@ -23,6 +23,7 @@ from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.space_contract import default_base
 from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.weights.weight_file import CheckpointError
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 from sb3_adaptnet.world_model.world_file import beside_base, read_world
@@ -83,14 +84,19 @@ class ModelBasedAlgorithm(BaseAlgorithm):
 
     def _open_world_model(self, given: str | Path | WorldModel | None) -> None:
         if given is None:
-            given = beside_base((self.policy_kwargs or {}).get("base") or default_base(self.action_space))
+            base = (self.policy_kwargs or {}).get("base") or default_base(self.action_space)
+            given = beside_base(base)
+            if not given.is_file():
+                fit = f"fit one by `adaptnet world-model fit {base}`, and name its file"
+                raise CheckpointError(f"{str(base)!r} has no {given.name} beside it: {fit}")
         model = copy.deepcopy(given) if isinstance(given, WorldModel) else read_world(given).model
         self.world_model = fitted_to(model, Character.of(self._worlds_of_env().simulation.model))
         self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
 
     def _worlds_of_env(self) -> AdaptVecEnv:
         if not isinstance(self.env, AdaptVecEnv) or not isinstance(self.observation_space, spaces.Box):
-            raise ValueError(f"SVG learns in an AdaptVecEnv on flat ground, without a heightmap, not in {self.env}")
+            found = "a heightmap" if isinstance(self.env, AdaptVecEnv) else f"a {type(self.env).__name__}"
+            raise ValueError(f"SVG learns in an AdaptVecEnv on flat ground without a heightmap, and found {found}")
         return self.env
 
     def _setup_model(self) -> None:

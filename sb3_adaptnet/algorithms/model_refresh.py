@@ -40,7 +40,8 @@ def fitted_to(model: WorldModel, character: Character) -> WorldModel:
     for what in ("links", "parents", "joints", "hinges"):
         has, wanted = getattr(model.character, what), getattr(character, what)
         if has != wanted:
-            raise ValueError(f"the world model is of a character with other {what}: {has} instead of {wanted}")
+            differ = sorted(map(str, set(has) ^ set(wanted))) or "their order"
+            raise ValueError(f"the world model is of a character with other {what}; they differ in {differ}")
     other = WorldModel(character, model.sizes)
     other.load_state_dict(model.state_dict())
     return other

@@ -63,11 +63,13 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
     """Settings of a new run.
 
     Raises:
-        ValueError: if the id is missing or has no entry.
+        ValueError: if the id is missing or has no entry, or a world model is given to PPO.
     """
     if options.env_id is None:
         raise ValueError("name an environment, as in AdaptNet/Humanoid-Stoop-v0, or a run with --resume")
     algo = options.algo or "ppo"
+    if options.world_model is not None and algo != "svg":
+        raise ValueError(f"--world-model {options.world_model} goes with --algo svg, not with {algo}")
     entry = experiment(options.env_id, options.base, options.conf_file, algo)
     return RunSettings(
         env_id=options.env_id,

@@ -10,6 +10,7 @@ from sb3_adaptnet.commands.main import main
 
 @pytest.mark.parametrize("words, message", [
     (["train"], "name an environment"),
+    (["train", "AdaptNet/Humanoid-Stoop-v0", "--world-model", "x.st"], "x.st goes with --algo svg, not with ppo"),
     (["train", "AdaptNet/Humanoid-Stop-v0"], "Did you mean: `Humanoid-Stoop`"),
     (["train", "CartPole-v1"], "CartPole-v1"),
     (["train", "nosuch_module:Toy-v0"], "No module named 'nosuch_module'"),
