@@ -9,6 +9,8 @@ from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
 from adapt_envs.motion.library import load_clip
 from adapt_envs.progress import Progress
+from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
+from sb3_adaptnet.commands.algorithm import algorithm_of
 from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_worlds_for
@@ -36,7 +38,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--motion", metavar="FILE", help="the motion; of a BVH or JSON file one gait cycle is cut out")
     parser.add_argument("--map", metavar="MAP.YML", help="which joint is which, for a BVH skeleton that is not known")
     parser.add_argument("--base", default="walk", metavar="NAME_OR_FILE", help="base to adapt (default walk)")
-    parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's, 2e6")
+    parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="weight file to write")
     parser.add_argument("--seed", type=int, default=0, help="default 0")
     parser.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run; default runs/adapt-OUT")
@@ -45,6 +47,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
     parser.add_argument("--device", default="cpu", help="cpu (default) or cuda")
     parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
+    add_algorithm_options(parser)
     words = f"simulated seconds that the result is measured for (default {SECONDS:g})"
     parser.add_argument("--seconds", type=seconds_of, default=SECONDS, help=words)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
@@ -70,7 +73,8 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
     """
     if options.motion is None:
         raise ValueError("name a motion with --motion, or a run with --resume")
-    experiment(STYLE_ENV, options.base)
+    algo = algorithm_of(options)
+    entry = experiment(STYLE_ENV, options.base, algo=algo)
     clip = opened(options.motion, options.map, options.quiet)
     path = options.run_dir or RUNS / f"adapt-{options.output.name.removesuffix(WEIGHT_SUFFIX)}"
     if (path / "run.json").exists():
@@ -79,13 +83,15 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
     clip.save(path / MOTION)
     settings = RunSettings(
         env_id=STYLE_ENV,
-        samples=options.samples or experiment(STYLE_ENV, options.base).samples,
+        samples=options.samples or entry.samples,
         seed=options.seed,
         base=options.base,
         motion=str(path / MOTION),
         n_envs=options.n_envs,
         device=options.device,
         threads=options.threads,
+        algo=algo,
+        world_model=options.world_model,
     )
     return settings, path
 

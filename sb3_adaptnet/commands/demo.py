@@ -15,6 +15,8 @@ from adapt_envs.drawing.film import video_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import STYLES, load_clip
+from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
+from sb3_adaptnet.commands.algorithm import algorithm_of
 from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
@@ -25,14 +27,17 @@ from sb3_adaptnet.evaluation.pictures import side_by_side
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import listing, paragraph, picture, table, text_table, video, write_page
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import start
 from sb3_adaptnet.weights.shipped import pretrained_names
 
-SAMPLES, MINUTES, SECONDS = 900_000, 6.5, 300.0
-"""Training's budget, whichever ends first, and simulated seconds of each evaluation: under 10 minutes in all."""
+MINUTES, SECONDS = 6.5, 300.0
+"""Training's budget, and simulated seconds of each evaluation: under 10 minutes in all."""
 FILM_SECONDS, SHORTEST_FILM = 7.0, 1.0
 """Length of the video [s], and what a policy must last to be in it [s]."""
+STYLE = "GooseStep"
+"""What is learned if nothing else is asked for: no other style is so far from a walk."""
 PAGE = "index.html"
 """File of the page, in the output's folder."""
 
@@ -43,9 +48,10 @@ def add_parser(subparsers: Any) -> None:
         "demo", help="adapt the walk to a style for a few minutes, and show what came of it on one page"
     )
     names = ", ".join(STYLES)
-    parser.add_argument("--style", choices=STYLES, default="Stoop", metavar="STYLE", help=f"{names} (default Stoop)")
+    parser.add_argument("--style", choices=STYLES, default=STYLE, metavar="STYLE", help=f"{names} (default {STYLE})")
     parser.add_argument("--base", default="walk", metavar="NAME_OR_FILE", help="base to adapt (default walk)")
-    parser.add_argument("--samples", type=positive, default=SAMPLES, help=f"training's samples (default {SAMPLES:,})")
+    parser.add_argument("--samples", type=positive, help="training's samples; default: the entry's")
+    add_algorithm_options(parser)
     parser.add_argument("--minutes", type=float, default=MINUTES, help=f"training's minutes (default {MINUTES:g})")
     words = f"simulated seconds of each evaluation (default {SECONDS:g})"
     parser.add_argument("--seconds", type=seconds_of, default=SECONDS, help=words)
@@ -102,13 +108,26 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
         shutil.rmtree(path)
     elif path.exists():
         raise ValueError(f"{path} is in the way; choose another folder with -o")
-    settings = RunSettings(env_id(options.style), options.samples, base=options.base, n_envs=options.n_envs)
-    base = Path(options.base).stem
-    print(f"1/3 adapting {base} to {options.style}: {options.samples:,} samples or {options.minutes:g} minutes")
+    settings = settings_of(options)
+    words = f"{settings.samples:,} samples or {options.minutes:g} minutes of {settings.algo}"
+    print(f"1/3 adapting {Path(options.base).stem} to {options.style}: {words}")
     limit = TimeLimit(options.minutes)
     folder = start(settings, path, callbacks=[limit])
-    finished = limit.over or folder.load()["samples"] >= options.samples
+    finished = limit.over or folder.load()["samples"] >= settings.samples
     return folder if finished else None
+
+
+def settings_of(options: argparse.Namespace) -> RunSettings:
+    """Settings of the training."""
+    algo, environment = algorithm_of(options), env_id(options.style)
+    return RunSettings(
+        env_id=environment,
+        samples=options.samples or experiment(environment, options.base, algo=algo).samples,
+        base=options.base,
+        n_envs=options.n_envs,
+        algo=algo,
+        world_model=options.world_model,
+    )
 
 
 def show_policies(options: argparse.Namespace, trained: RunFolder) -> Path:
@@ -194,7 +213,7 @@ def _sections(
     words = (
         f"The base {Path(options.base).stem!r} walks to targets. It was frozen, and a small part beside it learned from"
         f" {samples:,} samples to walk in the style {style}: injected into its latent state, added to its layers, and"
-        " zero at the start. Two million samples make the adaptations that ship."
+        " zero at the start."
     )
     again = f"adaptnet play {options.output / 'own.safetensors'}\nadaptnet train {env_id(style)}\n"
     sections = [("", [paragraph(words)]), ("Figures", [table(figures)])]

@@ -35,21 +35,23 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("run_dir", metavar="RUN", help="folder of the run")
     parser.add_argument("-o", "--output", metavar="FILE", required=True, help="where to, as in mine.safetensors")
+    parser.add_argument("--half", action="store_true", help="store the weights in half precision, in half the room")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Export and say where the file is."""
-    print(export(options.run_dir, options.output))
+    print(export(options.run_dir, options.output, options.half))
     return 0
 
 
-def export(run_dir: str | Path, output: str | Path) -> Path:
+def export(run_dir: str | Path, output: str | Path, half: bool = False) -> Path:
     """Write the policy of a run's checkpoint: a base if it was trained whole, else an adaptation.
 
     Args:
         run_dir: the run's folder.
         output: where to.
+        half: store the weights in half precision.
 
     Returns:
         The file; its card lies beside it, and a copy of the clip if that is none of those that ship.
@@ -71,7 +73,7 @@ def export(run_dir: str | Path, output: str | Path) -> Path:
     card = card_of(folder, entry, int(state["samples"]), spec) | clip_of(motion, Path(output))
     worlds.close()
     save = save_base if policy.export()[0] == BASE else save_adaptation
-    file = save(policy, output, **card)
+    file = save(policy, output, half, **card)
     if motion is not None and not ships(motion):
         load_clip(motion).save(file.with_name(card["motion"]))
     return file

@@ -73,12 +73,13 @@ def resolve(name_or_file: str | Path) -> Path:
         raise CheckpointError(f"{error}; nor is there such a file") from error
 
 
-def save_base(model_or_policy: Any, file: str | Path, **about: Any) -> Path:
+def save_base(model_or_policy: Any, file: str | Path, half: bool = False, **about: Any) -> Path:
     """Save the policy network of a pretrained or finetuned policy; the critic is not part of it.
 
     Args:
         model_or_policy: a PPO model, or its policy.
         file: where to; the suffix `.safetensors` is added if missing. A `.json` card appears beside it.
+        half: store the weights in half precision, in half the room.
         **about: further entries of the card as JSON values: environment, clip_hash, training, metrics, ...
 
     Returns:
@@ -87,19 +88,19 @@ def save_base(model_or_policy: Any, file: str | Path, **about: Any) -> Path:
     Raises:
         ValueError: for a policy that is an adaptation.
     """
-    return _save(model_or_policy, file, BASE, about)
+    return _save(model_or_policy, file, BASE, half, about)
 
 
-def save_adaptation(model_or_policy: Any, file: str | Path, **about: Any) -> Path:
+def save_adaptation(model_or_policy: Any, file: str | Path, half: bool = False, **about: Any) -> Path:
     """Save what a policy adds to its base, and nothing of the base but its name and hash; otherwise as `save_base`.
 
     Raises:
         ValueError: for a policy that is not an adaptation, or whose adaptors were merged into the base.
     """
-    return _save(model_or_policy, file, ADAPTATION, about)
+    return _save(model_or_policy, file, ADAPTATION, half, about)
 
 
-def _save(model_or_policy: Any, file: str | Path, kind: str, about: Mapping[str, Any]) -> Path:
+def _save(model_or_policy: Any, file: str | Path, kind: str, half: bool, about: Mapping[str, Any]) -> Path:
     policy: Exportable = getattr(model_or_policy, "policy", model_or_policy)
     if not hasattr(policy, "export"):
         raise ValueError(f"only policies of this package can be saved, not {type(policy).__name__}")
@@ -112,7 +113,7 @@ def _save(model_or_policy: Any, file: str | Path, kind: str, about: Mapping[str,
         raise ValueError(f"the card's entries {reserved} are taken; choose other names")
     path = Path(file) if str(file).endswith(WEIGHT_SUFFIX) else Path(f"{file}{WEIGHT_SUFFIX}")
     card = {"kind": kind, "observation_version": OBSERVATION_VERSION, **entries, **about}
-    write_weights(path, module.state_dict(), card)
+    write_weights(path, module.state_dict(), card, half)
     return path
 
 

@@ -32,11 +32,23 @@ def weights_hash(tensors: Mapping[str, torch.Tensor], identity: Mapping[str, Any
     return digest.hexdigest()
 
 
-def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping[str, Any]) -> None:
+def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping[str, Any], half: bool = False) -> None:
     """Write tensors and card to `file`, and the card once more, for people, to the `.json` beside it.
 
     Both appear whole or not at all. The card is completed by the format version and the hash of the weights.
+
+    Args:
+        file: where to.
+        tensors: by name.
+        card: about them.
+        half: store single precision as half, in half the room. A network that is read from it computes in single
+            precision all the same.
+
+    Raises:
+        ValueError: for a number beyond half precision's range.
     """
+    if half:
+        tensors = {name: _halved(name, tensor) for name, tensor in tensors.items()}
     full = {"format": FORMAT, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
     plain = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in tensors.items()}
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -44,6 +56,15 @@ def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping
     for_people = (json.dumps(full, indent=2, sort_keys=True) + "\n").encode()
     write_atomically(file, lambda stream: stream.write(content))
     write_atomically(file.with_suffix(".json"), lambda stream: stream.write(for_people))
+
+
+def _halved(name: str, tensor: torch.Tensor) -> torch.Tensor:
+    if tensor.dtype != torch.float32:
+        return tensor
+    short = tensor.half()
+    if not torch.equal(short.isfinite(), tensor.isfinite()):
+        raise ValueError(f"{name} has numbers beyond half precision, as {float(tensor.abs().max()):g}")
+    return short
 
 
 def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[str, torch.Tensor], dict[str, Any]]:

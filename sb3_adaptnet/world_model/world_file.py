@@ -36,8 +36,17 @@ def beside_base(name_or_file: str | Path) -> Path:
     return base.with_name(base.name.removesuffix(WEIGHT_SUFFIX) + WORLD_SUFFIX)
 
 
+def has_world(base: str | Path) -> bool:
+    """Whether a base has a world model beside it.
+
+    Raises:
+        CheckpointError: if there is no such base.
+    """
+    return beside_base(base).is_file()
+
+
 def save_world(model: WorldModel, file: str | Path, **about: Any) -> Path:
-    """Save a world model.
+    """Save a world model, in half precision: its own error is a hundred times as large.
 
     Args:
         model: the model.
@@ -49,7 +58,7 @@ def save_world(model: WorldModel, file: str | Path, **about: Any) -> Path:
     """
     path = Path(file) if str(file).endswith(WORLD_SUFFIX) else Path(f"{file}{WORLD_SUFFIX}")
     architecture = {"character": model.character.to_dict(), "sizes": model.sizes._asdict()}
-    write_weights(path, model.state_dict(), {"kind": KIND, "architecture": architecture, **about})
+    write_weights(path, model.state_dict(), {"kind": KIND, "architecture": architecture, **about}, half=True)
     return path
 
 

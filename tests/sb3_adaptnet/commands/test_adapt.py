@@ -6,10 +6,13 @@ import shutil
 import pytest
 from evaluation_cases import save_tiny_base
 from made_up_motions import bvh_text, write
+from world_cases import CHARACTER
 
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import load_clip
 from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.world_model.model import Sizes, WorldModel
+from sb3_adaptnet.world_model.world_file import save_world
 
 
 @pytest.fixture
@@ -61,6 +64,18 @@ def test_a_run_goes_on_where_it_stopped(base, tmp_path, capsys):
     assert main(again) == 0
     second = json.loads((tmp_path / "more.json").read_text())
     assert second["training"]["samples"] >= 256 and second["hash"] != first["hash"]
+
+
+def test_a_base_with_a_world_model_is_adapted_through_it(base, tmp_path, capsys):
+    save_world(WorldModel(CHARACTER, Sizes(8, 1)), base.with_suffix(""))
+    assert main(small(base, tmp_path, **{"--motion": "Stoop"})) == 0
+    assert json.loads((tmp_path / "mine.json").read_text())["training"]["svg"]["window"] == 16
+    again = {"--motion": "Stoop", "--run-dir": tmp_path / "again", "-o": tmp_path / "again.safetensors"}
+    assert main(small(base, tmp_path, **again, **{"--algo": "ppo"})) == 0
+    assert "svg" not in json.loads((tmp_path / "again.json").read_text())["training"]
+    capsys.readouterr()
+    assert main(small(base, tmp_path, **again, **{"--algo": "ppo", "--world-model": "any.safetensors"})) == 2
+    assert "goes with --algo svg, not with ppo" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

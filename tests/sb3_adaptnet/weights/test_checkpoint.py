@@ -1,10 +1,12 @@
 """Bases and adaptations as files: exact round trips, what a card says."""
 
+import copy
 import json
 import re
 
 import numpy as np
 import pytest
+import torch
 from safetensors import safe_open
 from stable_baselines3 import PPO
 from toy_env import ToyEnv, ToyVectorEnv
@@ -20,6 +22,7 @@ from sb3_adaptnet import (
     save_base,
 )
 from sb3_adaptnet.policies.loading import load_base_of
+from sb3_adaptnet.weights.checkpoint import read_base
 
 
 def test_base_round_trip_is_exact_also_right_after_training(base_model, base_file):
@@ -78,6 +81,21 @@ def test_progressive_column_round_trip(base_file, tmp_path):
     model = PPO(ProgressivePolicy, ENV, policy_kwargs={"base": str(base_file)}, **ARGUMENTS).learn(32)
     file = save_adaptation(model, tmp_path / "column")
     assert np.array_equal(act(load_policy(file, ENV)), act(model.policy))
+
+
+def test_half_precision_takes_half_the_room_and_computes_in_single(base_model, base_file, tmp_path):
+    half = save_base(base_model, tmp_path / "half", half=True)
+    assert half.stat().st_size < 0.65 * base_file.stat().st_size
+    short, full = (read_base(file).backbone.state_dict() for file in (half, base_file))
+    for name, weights in full.items():
+        assert short[name].dtype == weights.dtype
+        torch.testing.assert_close(short[name], weights, rtol=1e-3, atol=1e-7)
+    policy = copy.deepcopy(base_model.policy)
+    with torch.no_grad():
+        policy.actor.mean.bias[0] = 1e6
+    with pytest.raises(ValueError, match="mean.bias has numbers beyond half precision, as 1e\\+06"):
+        save_base(policy, tmp_path / "beyond", half=True)
+    assert not list(tmp_path.glob("beyond*"))
 
 
 def test_adapted_policy_is_not_a_base(adaptation_file, tmp_path):
