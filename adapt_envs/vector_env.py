@@ -6,7 +6,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from adapt_envs.drawing.world_view import SceneRenderer
 from adapt_envs.features.heading_frame import OBSERVATION_SIZE
@@ -79,18 +79,20 @@ class Adjustable:
         self.worlds.pushes.scale = float(scale)
 
     @property
-    def goal_spread(self) -> float:
-        """Share of the circle, centred straight ahead, that goals are sampled from; 1 unless set.
+    def goal_spread(self) -> NDArray[np.float64]:
+        """Shares (N,) of the circle, centred straight ahead, that goals are sampled from; 1 unless set.
 
-        Setting it raises ValueError for a share outside [0, 1].
+        Set it to one share for all worlds or to one for each; ValueError for a share outside [0, 1].
         """
         return self.worlds.goals.spread
 
     @goal_spread.setter
-    def goal_spread(self, share: float) -> None:
-        if not 0 <= share <= 1:
-            raise ValueError(f"goal_spread is {share!r}, expected a share of the circle from 0 (ahead) to 1 (anywhere)")
-        self.worlds.goals.spread = float(share)
+    def goal_spread(self, shares: ArrayLike) -> None:
+        spread = np.broadcast_to(np.asarray(shares, np.float64), self.worlds.goals.spread.shape).copy()
+        if not ((spread >= 0) & (spread <= 1)).all():
+            words = "expected shares of the circle from 0 (ahead) to 1 (anywhere)"
+            raise ValueError(f"goal_spread is {shares!r}, {words}")
+        self.worlds.goals.spread = spread
 
 
 class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]):

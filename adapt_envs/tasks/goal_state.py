@@ -19,7 +19,7 @@ class Goals:
         distance: (N,) distance to the target when it was sampled [m].
         held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are random.
         held_speed: (N,) preferred speed [m/s] the goal is held at.
-        spread: share of the circle, centred straight ahead, that random headings come from; 1 is the paper's.
+        spread: (N,) shares of the circle, centred straight ahead, that random headings come from; 1 is the paper's.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class Goals:
         self.distance = np.zeros(num_worlds, np.float32)
         self.held_heading = np.full(num_worlds, np.nan)
         self.held_speed = np.ones(num_worlds)
-        self.spread = 1.0
+        self.spread = np.ones(num_worlds)
 
     def hold(self, ids: NDArray[np.integer], heading: float | None, speed: float | None) -> None:
         """Hold the goals of the worlds `ids`, from their next sample on; None for both frees them.
@@ -75,8 +75,9 @@ class Goals:
         held = ~np.isnan(self.held_heading[ids])
         speed = np.where(held, self.held_speed[ids], rng.uniform(*self.speed_range, len(ids)))
         heading = rng.uniform(0, 2 * np.pi, len(ids))
-        if self.spread < 1:
-            heading = root_heading + self.spread * rotations.wrapped(heading - root_heading)
+        narrow = self.spread[ids] < 1
+        ahead = root_heading + self.spread[ids] * rotations.wrapped(heading - root_heading)
+        heading = np.where(narrow, ahead, heading)
         heading = np.where(held, self.held_heading[ids], heading)
         # A held goal keeps the longest distance a random one can have: far enough never to be reached.
         seconds = np.where(held, self.timer_range[1], rng.uniform(*self.timer_range, len(ids)))

@@ -21,6 +21,7 @@ class Episodes:
         loose_share: share of the worlds that are loose: they last longer, and seldom end by their error.
         calm_seconds: so long [s] after turning only the loose limit holds.
         goal_spread: share of the circle, centred ahead, that new goals lie in; 1 is the task's own.
+        loose_goal_spread: the same of loose worlds.
         steps: fewest and most control steps of an episode.
         loose_steps: the same of a loose world.
     """
@@ -30,6 +31,7 @@ class Episodes:
     loose_share: Schedule = 0.5
     calm_seconds: float = 1.5
     goal_spread: Schedule = 1.0
+    loose_goal_spread: Schedule = 1.0
     steps: tuple[int, int] = (50, 150)
     loose_steps: tuple[int, int] = (100, 450)
 
@@ -39,7 +41,7 @@ class Episodes:
         Raises:
             ValueError: for a negative limit, share or time, or numbers of steps that do not rise.
         """
-        for name in ("error_limit", "loose_limit", "loose_share", "calm_seconds", "goal_spread"):
+        for name in ("error_limit", "loose_limit", "loose_share", "calm_seconds", "goal_spread", "loose_goal_spread"):
             check_schedule(name, getattr(self, name))
         for fewest, most in (self.steps, self.loose_steps):
             if not 0 < fewest <= most:

@@ -86,7 +86,8 @@ class TrackedWorlds:
         guide.least_style = value_at(guiding.least_style, samples)
         self.error_limit = value_at(episodes.error_limit, samples)
         self.loose = self._all < value_at(episodes.loose_share, samples) * len(self._all)
-        self.env.set_attr("goal_spread", value_at(episodes.goal_spread, samples))
+        spreads = value_at(episodes.goal_spread, samples), value_at(episodes.loose_goal_spread, samples)
+        self.env.set_attr("goal_spread", np.where(self.loose, spreads[1], spreads[0]))
 
     def begin(self) -> None:
         """Guide all worlds from where the environment's reset put them."""

@@ -86,7 +86,7 @@ def test_goals_come_from_a_share_of_the_circle_ahead():
     env = make_vector(env_id("Run"), 256)
     env.goal_spread = 0.25
     env.reset(seed=0)
-    assert env.goal_spread == 0.25
+    assert (env.goal_spread == 0.25).all()
     worlds = env.worlds
     offset = worlds.goals.target - worlds.root_xy
     off_ahead = rotations.wrapped(np.arctan2(offset[:, 1], offset[:, 0]) - worlds.root_heading)
@@ -94,7 +94,7 @@ def test_goals_come_from_a_share_of_the_circle_ahead():
     assert np.abs(off_ahead.mean()) < 0.1
     with pytest.raises(ValueError, match=r"1\.5"):
         env.goal_spread = 1.5
-    assert env.goal_spread == 0.25
+    assert (env.goal_spread == 0.25).all()
 
 
 def test_a_held_goal_stays_ahead():
