@@ -18,6 +18,7 @@ from sb3_adaptnet.evaluation.pictures import write_strip
 from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_base_of, load_policy
 from sb3_adaptnet.weights.checkpoint import resolve
@@ -98,6 +99,8 @@ def check_outputs(options: argparse.Namespace) -> None:
             speak of something else than its file.
     """
     if options.write_card:
+        if is_address(options.policy):
+            raise ValueError("--write-card writes into your own file; get one with: adaptnet pull ADDRESS -o FOLDER")
         if options.alpha is not None or options.styles or options.push_scale is not None:
             raise ValueError("--write-card measures the file as it is: leave out --alpha, --styles and --push-scale")
         check_output(resolve(options.policy))
