@@ -55,10 +55,13 @@ def write_folder(
         The folder.
 
     Raises:
-        ValueError: if the folder holds something else, the weights are damaged, or their clip is missing.
+        ValueError: if the folder holds something else, the weights are damaged, their card names no environment,
+            or their clip is missing.
         RenderingError: if this machine cannot draw.
     """
     card = read_weights(publication.file)[1]
+    if not card.get("environment"):
+        raise ValueError(f"{publication.file}: its card names no environment; save it with environment=...")
     if folder.exists() and not (folder / publication.file.name).is_file():
         raise ValueError(f"{folder}: is in the way, and holds no {publication.file.name}; choose another folder")
     part = folder.with_name(f".{folder.name}.part")

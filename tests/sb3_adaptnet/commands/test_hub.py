@@ -32,6 +32,15 @@ def test_what_is_published_is_pulled_and_measured(cache, tmp_path, capsys):
     assert "adaptnet pull ADDRESS" in capsys.readouterr().err
 
 
+def test_a_push_without_a_network_says_so_and_leaves_nothing(cache, tmp_path, capsys):
+    base = save_tiny_base(tmp_path)
+    before = sorted(tmp_path.iterdir())
+    assert main(["push", str(base), "hf://me/tiny", "--no-pictures"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("adaptnet push: hf://me/tiny: it failed: ") and error.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
+
+
 @pytest.mark.parametrize(
     "words, complaint",
     [

@@ -73,6 +73,13 @@ def test_a_clip_that_does_not_ship_comes_along(adapted, tmp_path):
     assert (write_folder(Publication(adapted, "me/one"), tmp_path / "out") / "one.motion.npz").read_bytes() == b"clip"
 
 
+def test_weights_that_nobody_could_try_are_refused(adapted, tmp_path):
+    amend_card(adapted, environment=None)
+    with pytest.raises(ValueError, match="its card names no environment"):
+        write_folder(Publication(adapted, "me/one"), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_an_earlier_publication_is_replaced_and_anything_else_is_left_alone(adapted, tmp_path):
     folder = write_folder(Publication(adapted, "me/one"), tmp_path / "out")
     write_folder(Publication(adapted, "me/two"), folder)
