@@ -1,10 +1,10 @@
-# For users: `make demo` and `make test`. For contributors: `make check`. Each sets up .venv with all it needs.
+# For users: `make demo` and `make test`. For contributors: `make check`, `make docs`. Each sets up .venv with all it needs.
 PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test check lint format types clean
+.PHONY: demo test check lint format types docs clean
 
 demo: $(STAMP)
 	$(VENV)/bin/adaptnet demo
@@ -26,6 +26,10 @@ format: $(STAMP)
 types: $(STAMP)
 	$(VENV)/bin/mypy
 
+docs: $(STAMP)
+	$(RUN) -m pip install --quiet -c constraints.txt -e ".[docs]"
+	$(VENV)/bin/mkdocs build --strict
+
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit('Python 3.11 or newer is needed, this is ' + sys.version.split()[0] if sys.version_info < (3, 11) else 0)"
 	$(PYTHON) -m venv $(VENV)
@@ -35,4 +39,4 @@ $(STAMP): pyproject.toml constraints.txt
 	touch $(STAMP)
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info
+	rm -rf $(VENV) build dist site *.egg-info

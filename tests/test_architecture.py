@@ -14,7 +14,7 @@ adapt_envs.assets  adapt_envs.tables  adapt_envs.spaces  adapt_envs.progress
 adapt_envs.model
 adapt_envs.features
 adapt_envs.tasks  adapt_envs.motion
-adapt_envs.motion.importing  adapt_envs.motion.synthesis
+adapt_envs.motion.importing  adapt_envs.motion.exporting  adapt_envs.motion.synthesis
 adapt_envs.suite
 adapt_envs.simulation
 adapt_envs.drawing
@@ -26,7 +26,7 @@ adapt_envs
 sb3_adaptnet.openmp
 sb3_adaptnet.modules.layers
 sb3_adaptnet.modules
-sb3_adaptnet.modules.adaptation
+sb3_adaptnet.modules.adaptation  sb3_adaptnet.hub
 sb3_adaptnet.weights
 sb3_adaptnet.world_model
 sb3_adaptnet.world_model.fitting
@@ -36,12 +36,14 @@ sb3_adaptnet.algorithms.tracking
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs
 sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo
+sb3_adaptnet.publishing
 sb3_adaptnet
 sb3_adaptnet.commands
 """
 """Rooms, lowest first. A room imports from the layers below it, and from itself."""
 LAYER_OF = {room: layer for layer, rooms in enumerate(LAYERS.split("\n")) for room in rooms.split()}
-MAY_SEE_THE_WORLD = {f"sb3_adaptnet.{room}" for room in ("vec_env", "evaluation", "runs", "play", "commands", "zoo")}
+ROOMS_WITH_A_VIEW = ("vec_env", "evaluation", "runs", "play", "publishing", "commands", "zoo")
+MAY_SEE_THE_WORLD = {f"sb3_adaptnet.{room}" for room in ROOMS_WITH_A_VIEW}
 LEARNING = {"torch", "sb3_adaptnet", "stable_baselines3", "rl_zoo3"}
 MOST_LINES, LONGEST_FUNCTION, MOST_MODULES = 250, 60, 14
 TOP_LEVEL = {"adapt_envs": 10, "sb3_adaptnet": 4}

@@ -14,7 +14,7 @@ from sb3_adaptnet import load_policy
 from sb3_adaptnet.commands.main import make_parser
 
 ROOT = Path(__file__).resolve().parents[1]
-GUIDES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "examples" / "README.md"]
+GUIDES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md")), ROOT / "examples" / "README.md"]
 PAGES = [*GUIDES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 PROGRAMS = [*sorted((ROOT / "examples").glob("*.py")), *sorted((ROOT / "zoo_configs").glob("*.yml"))]
 """What users copy from, besides pages."""
@@ -23,7 +23,7 @@ SMALLER = {
     "1_000_000": "2_000",
     "progress_bar=True": "progress_bar=False",
 }
-DEEP = ("adapt_envs.motion.importing", "adapt_envs.motion.synthesis")
+DEEP = ("adapt_envs.motion.importing", "adapt_envs.motion.exporting", "adapt_envs.motion.synthesis")
 """Folders within a folder whose names are public all the same."""
 PLACEHOLDERS = ("NAME", "STYLE", "BASE")
 """Words in paths that stand for others."""
@@ -112,6 +112,34 @@ def test_lines_are_short_enough_to_compare(page):
     text = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
     whole = ("|", "!", "  |")  # tables and pictures cannot be broken
     assert not [line for line in text.splitlines() if len(line) > 120 and not line.startswith(whole)]
+
+
+def table_rows(page):
+    """Rows of tables whose first cell is an environment's id."""
+    return re.findall(r"^\| `AdaptNet/.*$", page.read_text(), re.MULTILINE)
+
+
+def test_every_environment_is_on_one_familys_page():
+    families = [row for page in (ROOT / "docs" / "families").glob("*.md") for row in table_rows(page)]
+    assert sorted(families) == sorted(table_rows(ROOT / "docs" / "environments.md"))
+
+
+def test_the_quick_starts_snippets_are_the_readmes_which_run():
+    quick = blocks(ROOT / "docs" / "quick_start.md", "python")
+    assert quick and set(quick) <= set(blocks(ROOT / "README.md", "python"))
+
+
+def pages_of(nav):
+    """Files in a table of contents, however deep."""
+    for entry in nav if isinstance(nav, list) else nav.values():
+        yield from [entry] if isinstance(entry, str) else pages_of(entry)
+
+
+def test_the_site_shows_every_page():
+    nav = yaml.safe_load((ROOT / "mkdocs.yml").read_text())["nav"]
+    assert sorted(pages_of(nav)) == sorted(
+        str(page.relative_to(ROOT / "docs")) for page in (ROOT / "docs").glob("**/*.md")
+    )
 
 
 def test_contributors_see_every_room():

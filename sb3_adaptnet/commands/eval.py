@@ -9,6 +9,8 @@ from typing import Any
 from adapt_envs.commands.output import check_output
 from adapt_envs.drawing.film import video_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
+from adapt_envs.motion.exporting import write_bvh, write_glb
+from adapt_envs.motion.exporting.extra import gltf_packages
 from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.before_after import check_world, write_before_after
@@ -17,7 +19,8 @@ from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluat
 from sb3_adaptnet.evaluation.pictures import write_strip
 from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.evaluation.report import text_table
-from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, performance_of, typical_clip
+from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_base_of, load_policy
 from sb3_adaptnet.weights.checkpoint import resolve
@@ -40,6 +43,10 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--write-card", action="store_true", help="write the figures into the weight file's card")
     parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a contact sheet of it going straight on")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="film it going to targets")
+    words = "write the same stretch as its film's as a skeleton's motion, for animation tools"
+    parser.add_argument("--bvh", type=Path, metavar="FILE.bvh", help=words)
+    words = "write it as glTF, a skeleton with its skin, for game engines and Blender (extra [motion])"
+    parser.add_argument("--glb", type=Path, metavar="FILE.glb", help=words)
     parser.add_argument("--strip", type=Path, metavar="FILE.png", help="draw an adaptation at alpha 0, 0.25, ..., 1")
     parser.add_argument(
         "--before-after", type=Path, metavar="FILE.png", help="draw an adaptation and its base in the same world"
@@ -77,6 +84,7 @@ def run(options: argparse.Namespace) -> int:
         print(text_table({loaded.title: found.figures}))
     drawn = [write_card(options, found)] if options.write_card else []
     drawn += draw(loaded, found, options.sheet, options.video)
+    drawn += write_motion(loaded, found, options.bvh, options.glb)
     drawn += draw_alphas(loaded, options.strip, options.before_after, options.seed, options.world)
     for path in () if options.json else drawn:
         print(f"wrote {path}")
@@ -91,20 +99,28 @@ def base_of(loaded: LoadedPolicy, base: str | None) -> Acting | None:
 
 
 def check_outputs(options: argparse.Namespace) -> None:
-    """Refuse pictures and a card that cannot be written, before the measuring.
+    """Refuse pictures, motions and a card that cannot be written, before the measuring.
 
     Raises:
         ValueError: for an extension that is no picture's or video's, a folder that does not exist, or a card that would
             speak of something else than its file.
     """
     if options.write_card:
+        if is_address(options.policy):
+            raise ValueError("--write-card writes into your own file; get one with: adaptnet pull ADDRESS -o FOLDER")
         if options.alpha is not None or options.styles or options.push_scale is not None:
             raise ValueError("--write-card measures the file as it is: leave out --alpha, --styles and --push-scale")
         check_output(resolve(options.policy))
-    pictures, films = (options.sheet, options.strip, options.before_after), (options.video,)
-    for path, suffixes in [(path, (".png",)) for path in pictures] + [(path, (".mp4", ".gif")) for path in films]:
-        if path is not None:
-            check_output(path, *suffixes)
+    wanted = {
+        (".png",): (options.sheet, options.strip, options.before_after), (".mp4", ".gif"): (options.video,),
+        (".bvh",): (options.bvh,), (".glb",): (options.glb,),
+    }  # fmt: skip
+    for suffixes, paths in wanted.items():
+        for path in paths:
+            if path is not None:
+                check_output(path, *suffixes)
+    if options.glb is not None:
+        gltf_packages()
 
 
 def write_card(options: argparse.Namespace, found: Evaluation) -> Path:
@@ -125,6 +141,19 @@ def draw(loaded: LoadedPolicy, found: Evaluation, sheet: Path | None, video: Pat
         clip = clip_of(found.free, longest(found.free, VIDEO_SECONDS), reference.joint_names, name)
         write_video(video_frames(clip), video)
     return [path for path in (sheet, video) if path is not None]
+
+
+def write_motion(loaded: LoadedPolicy, found: Evaluation, bvh: Path | None, glb: Path | None) -> list[Path]:
+    """Write the longest stretch without a fall, up to 12 s, as the motion files that were asked for; return them."""
+    if bvh is None and glb is None:
+        return []
+    model = loaded.env.worlds.model
+    performed = performance_of(found.free, longest(found.free, VIDEO_SECONDS), model)
+    if bvh is not None:
+        write_bvh(performed, bvh)
+    if glb is not None:
+        write_glb(performed, model, glb, loaded.title)
+    return [path for path in (bvh, glb) if path is not None]
 
 
 def draw_alphas(

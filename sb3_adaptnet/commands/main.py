@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import gymnasium as gym
 
 from adapt_envs.commands import doctor, envs, motions
-from sb3_adaptnet.commands import adapt, bench_env, bench_train, curves, demo, export, play, train, world_model
+from sb3_adaptnet.commands import adapt, bench_env, bench_train, curves, demo, export, hub, play, train, world_model
 from sb3_adaptnet.commands import eval as evaluation
 
 BAD_INPUT, PIPE_CLOSED = 2, 141
@@ -26,6 +26,7 @@ def make_parser() -> argparse.ArgumentParser:
     evaluation.add_parser(subparsers)
     play.add_parser(subparsers)
     export.add_parser(subparsers)
+    hub.add_parser(subparsers)
     curves.add_parser(subparsers)
     world_model.add_parser(subparsers)
     envs.add_parser(subparsers)

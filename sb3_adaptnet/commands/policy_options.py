@@ -50,7 +50,8 @@ class LoadedPolicy:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the policy and what goes with it: environment, motion, base, alpha, blend, threads."""
-    parser.add_argument("policy", metavar="POLICY", help="name of a shipped base or adaptation, or a weight file")
+    words = "name of a shipped base or adaptation, a weight file, or hf://OWNER/NAME"
+    parser.add_argument("policy", metavar="POLICY", help=words)
     parser.add_argument("--env", metavar="ID", help="environment; default: the one it was trained in")
     parser.add_argument("--motion", metavar="NAME|FILE", help="reference clip, for environments that take motion=")
     parser.add_argument("--base", metavar="NAME|FILE", help="base of the policy, where it is not found by itself")

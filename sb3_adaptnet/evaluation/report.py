@@ -45,10 +45,11 @@ pre {{ background: {css(SHADE)}; border-radius: 4px; padding: .8rem 1rem; overfl
 def cells(figures: Mapping[str, Figures]) -> list[list[str]]:
     """The table's body: one row per figure, its words first, then one text per column; "-" where there is none."""
     values = [figure.as_dict() for figure in figures.values()]
-    return [[words, *(_text(column[name], text) for column in values)] for words, name, text in ROWS]
+    return [[words, *(text_of(column[name], text) for column in values)] for words, name, text in ROWS]
 
 
-def _text(value: Any, text: str) -> str:
+def text_of(value: Any, text: str) -> str:
+    """A figure in words: a format for numbers, "-" where there is none."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return "-" if value is None else text.format(value)

@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 
+import mujoco
 import numpy as np
 
 from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.motion.exporting import Performance, perform
 from sb3_adaptnet.evaluation.imitation_error import SETTLING_SECONDS
 from sb3_adaptnet.evaluation.recording import Recording, Segment
 
@@ -32,6 +34,12 @@ def clip_of(recording: Recording, segment: Segment, joint_names: Sequence[str], 
     qpos = recording.qpos[segment.start : segment.stop, segment.world].copy()
     qpos[:, 3:7] /= np.linalg.norm(qpos[:, 3:7], axis=1, keepdims=True)
     return MotionClip(name, qpos, tuple(joint_names), origin="rollout of a policy")
+
+
+def performance_of(recording: Recording, segment: Segment, model: mujoco.MjModel) -> Performance:
+    """A stretch of a rollout as a skeleton's motion for animation tools; `model` is the character that made it."""
+    qpos = recording.qpos[segment.start : segment.stop, segment.world]
+    return perform(model, qpos, FPS, float(recording.floor[segment.start, segment.world]))
 
 
 def typical_clip(recording: Recording, reference: MotionClip, name: str) -> MotionClip:

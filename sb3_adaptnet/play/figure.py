@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs.model.geom_mesh import colour_of, geom_mesh
 from sb3_adaptnet.play.extra import trimesh
 
 
@@ -22,12 +23,6 @@ class Figure:
             handle.position, handle.wxyz = position - middle, quat
 
 
-def colour_of(model: mujoco.MjModel, geom: int) -> NDArray[np.float64]:
-    """(3,) colour of a geom without its texture, red, green and blue in [0, 1]."""
-    material = int(model.geom_matid[geom])
-    return np.array((model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom])[:3], np.float64)
-
-
 def rgb(colour: NDArray[np.float64]) -> tuple[int, int, int]:
     """A colour (3,) in [0, 1] as viser takes it: numbers up to 255."""
     red, green, blue = (round(255 * float(value)) for value in colour)
@@ -39,23 +34,9 @@ def _add_body(scene: Any, model: mujoco.MjModel, body: int) -> Any:
     frame = scene.add_frame(f"/body_{body}", show_axes=False)
     first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
     for geom in range(first, first + count):
-        shape = _shape(model, geom)
+        shape = geom_mesh(trimesh, model, geom)
         if shape is not None:
             name, colour = f"/body_{body}/geom_{geom}", rgb(colour_of(model, geom))
             handle = scene.add_mesh_simple(name, np.asarray(shape.vertices), np.asarray(shape.faces), color=colour)
             handle.position, handle.wxyz = model.geom_pos[geom], model.geom_quat[geom]
     return frame
-
-
-def _shape(model: mujoco.MjModel, geom: int) -> Any:
-    """Mesh of a geom in its own frame; None for kinds that bodies of this character do not have."""
-    size, kind = model.geom_size[geom], model.geom_type[geom]
-    if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
-        return trimesh.creation.icosphere(radius=size[0])
-    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
-        return trimesh.creation.capsule(radius=size[0], height=2 * size[1])
-    if kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
-        return trimesh.creation.cylinder(radius=size[0], height=2 * size[1])
-    if kind == mujoco.mjtGeom.mjGEOM_BOX:
-        return trimesh.creation.box(extents=2 * size)
-    return None

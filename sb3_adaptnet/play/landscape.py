@@ -6,9 +6,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from adapt_envs.model.geom_mesh import colour_of
 from adapt_envs.model.ground import Ground
 from sb3_adaptnet.play.extra import pil_image, trimesh
-from sb3_adaptnet.play.figure import colour_of, rgb
+from sb3_adaptnet.play.figure import rgb
 from sb3_adaptnet.play.ground_mesh import Mesh, Tile, TileKey, goal_ring, tile, tiles_near
 
 ROOT = "/ground"

@@ -6,11 +6,20 @@ from typing import Any
 import torch
 from gymnasium import spaces
 
+from sb3_adaptnet.hub import base_model_beside
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 from sb3_adaptnet.policies.baselines import ProgressivePolicy
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.pretrain import PretrainPolicy
-from sb3_adaptnet.weights.checkpoint import BASE, AdaptationFile, read_adaptation, read_base, read_kind, resolve
+from sb3_adaptnet.weights.checkpoint import (
+    BASE,
+    AdaptationFile,
+    check_base,
+    read_adaptation,
+    read_base,
+    read_kind,
+    resolve,
+)
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
 from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights
 
@@ -27,10 +36,11 @@ def load_policy(
     """Open a base or an adaptation for acting; never runs code from the file.
 
     Args:
-        name_or_file: name of a shipped base or adaptation, or a path.
+        name_or_file: name of a shipped base or adaptation, a path, or an address on the Hub, `hf://OWNER/NAME`.
         env: an environment, vectorised or not, for its observation and action spaces.
         device: "cpu", "cuda", ...
-        base: the adaptation's base; None looks beside the adaptation, then among the shipped ones.
+        base: the adaptation's base; None looks beside the adaptation, then among the shipped ones, then where its
+            model card says.
 
     Returns:
         A policy in evaluation mode: `policy.predict(obs, deterministic=True)`. Its critic is fresh.
@@ -67,6 +77,19 @@ def load_base_of(name_or_file: str | Path, env: Any, device: str | torch.device 
     return None if base is None else load_policy(base, env, device)
 
 
+def base_of_adaptation(name_or_file: str | Path) -> Path:
+    """File of the base that an adaptation was made for: beside it, shipped, or on the Hub.
+
+    Raises:
+        CheckpointError: if there is none, a file is damaged, or the base has another hash than the one adapted.
+    """
+    read = read_adaptation(name_or_file)
+    file = resolve(_find_base(read))
+    base = read_base(file)
+    check_base(read, base.name, base.hash)
+    return file
+
+
 def _spaces(env: Any) -> tuple[spaces.Space, spaces.Space]:
     """Spaces of one environment, also from a gymnasium VectorEnv."""
     observations = getattr(env, "single_observation_space", None) or env.observation_space
@@ -97,18 +120,24 @@ def _find_base(read: AdaptationFile) -> Path | str:
     if found is None:
         raise CheckpointError(
             f"{str(read.file)!r} adapts base {_base_name(read.card)!r}, which is neither beside it nor among "
-            f"{pretrained_names()}; say where it is with base=..."
+            f"{pretrained_names()}, and no model card beside it says where; say where it is with base=..."
         )
     return found
 
 
 def _base_named(file: Path, card: dict[str, Any]) -> Path | str | None:
-    """The base that a file's card names, beside the file or among the shipped ones; None if it is in neither place."""
+    """The base that a file's card names: beside the file, shipped, or where its model card says; None if nowhere.
+
+    A shipped base of that name but with other weights gives way to the one on the Hub.
+    """
     name = _base_name(card)
     beside = file.with_name(f"{name}{WEIGHT_SUFFIX}")
     if beside.is_file():
         return beside
-    return name if name in pretrained_names() else None
+    on_the_hub, shipped = base_model_beside(file), name in pretrained_names()
+    if shipped and (on_the_hub is None or read_weights(resolve(name))[1]["hash"] == card["base"].get("hash")):
+        return name
+    return on_the_hub
 
 
 def _base_name(card: dict[str, Any]) -> str:

@@ -7,8 +7,10 @@ from typing import Any, NamedTuple, Protocol
 import torch
 from torch import nn
 
+from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.modules.architecture import OBSERVATION_VERSION, Architecture
 from sb3_adaptnet.modules.backbone import Backbone
+from sb3_adaptnet.weights.hub_file import hub_file
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_path
 from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights, write_weights
 
@@ -59,11 +61,13 @@ class Exportable(Protocol):
 
 
 def resolve(name_or_file: str | Path) -> Path:
-    """The file that a name of a shipped one, or a path, stands for.
+    """The file that a name of a shipped one, a path, or an address on the Hub stands for.
 
     Raises:
-        CheckpointError: if it is neither.
+        CheckpointError: if it is none of them, or the Hub does not give it.
     """
+    if is_address(name_or_file):
+        return hub_file(str(name_or_file))
     path = Path(name_or_file)
     if path.suffix or len(path.parts) != 1 or path.is_file():
         return path

@@ -12,7 +12,10 @@ import pytest
 import adapt_envs
 
 PACKAGE = Path(adapt_envs.__file__).parent
-ROOMS = ("", ".features", ".model", ".motion", ".motion.importing", ".motion.synthesis", ".simulation", ".tasks")
+ROOMS = (
+    "", ".features", ".model", ".motion", ".motion.exporting", ".motion.importing", ".motion.synthesis", ".simulation",
+    ".tasks",
+)  # fmt: skip
 
 
 def face(room):

@@ -1,0 +1,97 @@
+"""A folder that is ready for the Hub; it appears whole or not at all."""
+
+import json
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from adapt_envs import AdaptVectorEnv
+from adapt_envs.motion.library import ships
+from sb3_adaptnet.evaluation.recording import Acting
+from sb3_adaptnet.hub import parse_address
+from sb3_adaptnet.hub.base_model import MODEL_CARD
+from sb3_adaptnet.publishing.model_card import FILM, PICTURE, model_card
+from sb3_adaptnet.publishing.pictures import write_film, write_picture
+from sb3_adaptnet.weights.checkpoint import ADAPTATION
+from sb3_adaptnet.weights.weight_file import read_weights
+
+
+@dataclass(frozen=True)
+class Publication:
+    """What is to be published, and as what.
+
+    Attributes:
+        file: the weight file.
+        repo: `OWNER/NAME`, where it will lie.
+        base_model: `OWNER/NAME` of an adaptation's base; None takes `OWNER/` and the base's name.
+        license_id: the weights' licence as the Hub abbreviates it; None leaves it open.
+    """
+
+    file: Path
+    repo: str
+    base_model: str | None = None
+    license_id: str | None = None
+
+    def base_repo(self, card: dict[str, Any]) -> str | None:
+        """Where an adaptation's base is said to lie; None for a base."""
+        if card["kind"] != ADAPTATION:
+            return None
+        return parse_address(self.base_model or f"{parse_address(self.repo).owner}/{card['base']['name']}").repo
+
+
+def write_folder(
+    publication: Publication, folder: Path, acting: tuple[Acting, AdaptVectorEnv] | None = None, seconds: float = 10.0
+) -> Path:
+    """Write weights, card, model card, the clip if it does not ship, and picture and film.
+
+    Args:
+        publication: what, and as what.
+        folder: where to; an earlier publication of the same weights is replaced.
+        acting: the policy and its worlds, for picture and film; None leaves both out.
+        seconds: length of the film.
+
+    Returns:
+        The folder.
+
+    Raises:
+        ValueError: if the folder holds something else, the weights are damaged, their card names no environment,
+            or their clip is missing.
+        RenderingError: if this machine cannot draw.
+    """
+    card = read_weights(publication.file)[1]
+    if not card.get("environment"):
+        raise ValueError(f"{publication.file}: its card names no environment; save it with environment=...")
+    if folder.exists() and not (folder / publication.file.name).is_file():
+        raise ValueError(f"{folder}: is in the way, and holds no {publication.file.name}; choose another folder")
+    part = folder.with_name(f".{folder.name}.part")
+    shutil.rmtree(part, ignore_errors=True)
+    part.mkdir(parents=True)
+    try:
+        _fill(part, publication, card, acting, seconds)
+        shutil.rmtree(folder, ignore_errors=True)
+        part.rename(folder)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+    return folder
+
+
+def _fill(
+    folder: Path, publication: Publication, card: dict[str, Any], acting: tuple[Acting, AdaptVectorEnv] | None,
+    seconds: float,
+) -> None:  # fmt: skip
+    file, name = publication.file, publication.file.stem
+    shutil.copyfile(file, folder / file.name)
+    (folder / f"{name}.json").write_text(json.dumps(card, indent=2, sort_keys=True) + "\n", encoding="utf-8")
+    motion = card.get("motion")
+    if motion is not None and not ships(motion):
+        clip = file.with_name(Path(motion).name)
+        if not clip.is_file():
+            raise ValueError(f"{file}: its clip {clip.name!r} does not lie beside it")
+        shutil.copyfile(clip, folder / clip.name)
+    if acting is not None:
+        write_picture(*acting, folder / PICTURE)
+        write_film(*acting, folder / FILM, seconds)
+    base_repo = publication.base_repo(card)
+    text = model_card(name, card, publication.repo, base_repo, publication.license_id, acting is not None)
+    (folder / MODEL_CARD).write_text(text, encoding="utf-8")
