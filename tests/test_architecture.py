@@ -35,13 +35,15 @@ sb3_adaptnet.objectives
 sb3_adaptnet.algorithms.tracking
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs
-sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo
+sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo  sb3_adaptnet.exporting
 sb3_adaptnet
 sb3_adaptnet.commands
 """
 """Rooms, lowest first. A room imports from the layers below it, and from itself."""
 LAYER_OF = {room: layer for layer, rooms in enumerate(LAYERS.split("\n")) for room in rooms.split()}
-MAY_SEE_THE_WORLD = {f"sb3_adaptnet.{room}" for room in ("vec_env", "evaluation", "runs", "play", "commands", "zoo")}
+MAY_SEE_THE_WORLD = {
+    f"sb3_adaptnet.{room}" for room in ("vec_env", "evaluation", "runs", "play", "commands", "zoo", "exporting")
+}
 LEARNING = {"torch", "sb3_adaptnet", "stable_baselines3", "rl_zoo3"}
 MOST_LINES, LONGEST_FUNCTION, MOST_MODULES = 250, 60, 14
 TOP_LEVEL = {"adapt_envs": 10, "sb3_adaptnet": 4}
