@@ -17,7 +17,7 @@ adapt_envs.tasks  adapt_envs.motion
 adapt_envs.motion.importing  adapt_envs.motion.synthesis
 adapt_envs.suite
 adapt_envs.simulation
-adapt_envs.drawing
+adapt_envs.portable  adapt_envs.drawing
 adapt_envs.vector_env
 adapt_envs.env
 adapt_envs.registration
