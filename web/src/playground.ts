@@ -77,11 +77,15 @@ export class Playground {
       loadGround(wishes.ground),
       this.loadWeights(),
     ]);
-    await this.theatre?.close();
+    if (!this.policy.ready) throw new Error(`the weights of the ${wishes.base} are not there`);
+    const before = this.theatre;
+    this.theatre = null; // nothing is drawn of what is being closed
+    await before?.close();
     const body = new Body(this.mujoco, scene, specification, ground.shares);
     wishes.heading ??= scene.starts[wishes.base].heading;
-    if (ground !== this.theatre?.ground) Object.assign(this.angles, VIEWS[wishes.ground] ?? VIEWS.flat);
-    this.theatre = new Theatre(this.stage, body, ground, this.policy, wishes, this.angles);
+    if (ground !== before?.ground) Object.assign(this.angles, VIEWS[wishes.ground] ?? VIEWS.flat);
+    const onFailure = (error: Error) => say(`The simulation stopped: ${error.message}`, true);
+    this.theatre = new Theatre(this.stage, body, ground, this.policy, wishes, this.angles, onFailure);
     makeCaptions(this.theatre.walkers.length);
     this.panel.show();
     this.update();

@@ -32,8 +32,13 @@ export class Policy {
     return this.loaded.some((part) => part.heightmap);
   }
 
+  /** Whether the base is there. */
+  get ready(): boolean {
+    return this.session !== null;
+  }
+
   has(name: string): boolean {
-    return this.session !== null && this.loaded.some((part) => part.name === name);
+    return this.ready && this.loaded.some((part) => part.name === name);
   }
 
   /** Load adaptations by name, beside those that are there; the base comes with the first call. */

@@ -27,19 +27,25 @@ export class Simulation {
     readonly walkers: Walker[],
     readonly policy: Policy,
     readonly wish: Wish,
+    private readonly onFailure: (error: Error) => void,
   ) {}
 
   /** Advance by `seconds` of simulated time, as far as the policy's answers allow. */
   advance(seconds: number): void {
     this.behind = Math.min(this.behind + seconds, MOST_BEHIND);
-    if (!this.acting) void this.run();
+    if (!this.acting && !this.closed) this.run().catch((error: Error) => this.fail(error));
+  }
+
+  private fail(error: Error): void {
+    this.closed = true;
+    this.onFailure(error);
   }
 
   private async run(): Promise<void> {
     this.acting = true;
     try {
-      const { specification, model } = this.walkers[0].body;
-      const step = model.opt.timestep;
+      const { specification, scene } = this.walkers[0].body;
+      const step = scene.exact.timestep;
       while (this.behind >= step && !this.closed) {
         const began = performance.now();
         if (this.ticks % specification.physics_steps === 0) await this.act();

@@ -32,6 +32,7 @@ export class Theatre {
     policy: Policy,
     private readonly wishes: Wishes,
     angles: Angles,
+    onFailure: (error: Error) => void,
   ) {
     const count = wishes.compare ? 2 : 1;
     this.actors = Array.from({ length: count }, (_, i) => ({
@@ -44,7 +45,10 @@ export class Theatre {
     stage.scene.add(this.landscape.group);
     for (const { figure, signs } of this.actors) stage.scene.add(figure.group, signs.group);
     const walkers = this.actors.map((actor) => actor.walker);
-    this.simulation = new Simulation(walkers, policy, wishes);
+    this.simulation = new Simulation(walkers, policy, wishes, onFailure);
+    for (const walker of ground.endless ? walkers : []) {
+      walker.restart({ xy: [0, 0], heading: wishes.heading ?? this.startHeading });
+    }
   }
 
   /** The adapted character, and the base if it is shown. */
@@ -93,7 +97,7 @@ export class Theatre {
     const [n, stacked] = [this.actors.length, isStacked(clientWidth, clientHeight)];
     return this.shown.map(({ figure, orbit }, i) => {
       const box = stacked ? { x: 0, y: i / n, w: 1, h: 1 / n } : { x: i / n, y: 0, w: 1 / n, h: 1 };
-      return { camera: orbit.camera, figure: figure.group, middle: figure.middle, box };
+      return { camera: orbit.camera, middle: figure.middle, box };
     });
   }
 

@@ -8,6 +8,7 @@ export const STRONGEST = 1.5;
 const SPEED_REACH: [number, number] = [0.5, 1.25];
 export const PUSHES: [number, number] = [50, 1000];
 export const SLOW = 0.25;
+const USUAL_PUSH = 200;
 
 export interface Wishes {
   base: string;
@@ -52,7 +53,7 @@ export function wishesOf(hash: string, index: Index, specification: Specificatio
     strengths,
     heading: given.has("heading") ? numberOf(given.get("heading"), [-Math.PI, Math.PI], 0) : null,
     speed: numberOf(given.get("speed"), speedsOf(base, specification), usualSpeed(base, strengths, index, specification)),
-    force: numberOf(given.get("force"), PUSHES, 250),
+    force: numberOf(given.get("force"), PUSHES, USUAL_PUSH),
     compare: given.has("compare"),
     slow: given.has("slow"),
   };
@@ -67,7 +68,7 @@ export function hashOf(wishes: Wishes): string {
   for (const [name, strength] of Object.entries(strengths)) if (strength !== 0) parts.push([name, round(strength)]);
   parts.push(["speed", round(speed)]);
   if (heading !== null) parts.push(["heading", round(heading)]);
-  if (force !== 250) parts.push(["force", round(force)]);
+  if (force !== USUAL_PUSH) parts.push(["force", round(force)]);
   const flags = [compare ? "&compare" : "", slow ? "&slow" : ""];
   return `#${parts.map((part) => part.join("=")).join("&")}${flags.join("")}`;
 }

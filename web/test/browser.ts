@@ -19,6 +19,8 @@ export const PICTURES = new URL("pictures/", import.meta.url).pathname;
 export interface Site {
   browser: Browser;
   address: string;
+  /** Close all pages, also those of a test that failed. */
+  closePages(): Promise<void>;
   close(): Promise<void>;
 }
 
@@ -32,14 +34,20 @@ export async function openSite(): Promise<Site> {
     args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--enable-precise-memory-info"],
     protocolTimeout: 300_000,
   });
+  const closePages = async () => {
+    const [first, ...pages] = await browser.pages();
+    await Promise.all([first.goto("about:blank"), ...pages.map((page) => page.close())]);
+  };
   const close = async () => {
     await browser.close();
     await server.close();
   };
-  return { browser, address, close };
+  return { browser, address, closePages, close };
 }
 
 export const DESKTOP = { width: 1280, height: 800 };
+/** A coarse picture, which the processor draws faster: for tests that look at none. */
+export const COARSE = { width: 1000, height: 640, deviceScaleFactor: 0.3 };
 export const PHONE = { width: 390, height: 844, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
 
 export interface Visit {
@@ -53,7 +61,7 @@ export interface Visit {
 }
 
 /** Open the page at a link's part and wait until it runs. */
-export async function visit(site: Site, hash: string, size: object = DESKTOP): Promise<Visit> {
+export async function visit(site: Site, hash: string, size: object = COARSE): Promise<Visit> {
   const page = await site.browser.newPage();
   await page.setViewport(size as typeof DESKTOP);
   const [complaints, elsewhere]: [string[], string[]] = [[], []];
@@ -70,7 +78,7 @@ export async function visit(site: Site, hash: string, size: object = DESKTOP): P
   const client = await page.createCDPSession();
   await client.send("Network.enable");
   client.on("Network.loadingFinished", (event) => (bytes += event.encodedDataLength));
-  await page.goto(`${site.address}${hash}`);
-  await page.waitForFunction("window.playground?.theatre && window.playground.frames > 2", { timeout: 60_000 });
+  await page.goto(`${site.address}${hash}`, { timeout: 120_000 });
+  await page.waitForFunction("window.playground?.theatre && window.playground.frames > 2", { timeout: 120_000 });
   return { page, complaints, elsewhere, bytes: () => bytes };
 }

@@ -7,13 +7,15 @@ import { clipped, PUSHES } from "../wishes";
 
 /** Newtons for each metre that the character is pulled. */
 const PULL = 350;
+/** Half a character's height, and how far from its axis it can be grasped [m]. */
+const [HALF_HEIGHT, NEAR] = [0.75, 0.28];
 const [TURN, TILT, ZOOM] = [0.006, 0.004, 0.0012];
 const DISTANCES: [number, number] = [2.2, 14];
 const ELEVATIONS: [number, number] = [-0.05, 1.2];
 
 export interface Target {
   camera: THREE.PerspectiveCamera;
-  figure: THREE.Object3D;
+  /** The pelvis. */
   middle: THREE.Vector3;
   /** The view's corner and size in the canvas, each in [0, 1]; y downwards. */
   box: { x: number; y: number; w: number; h: number };
@@ -45,8 +47,10 @@ export class Pointer {
     this.canvas.classList.toggle("pulling", this.pulled !== null);
   }
 
+  /** Whether a pointer is on a character, or nearly: limbs that move are hard to hit. */
   private hits(event: PointerEvent, target: Target): boolean {
-    return this.aim(event, target) && this.caster.intersectObject(target.figure, true).length > 0;
+    const [feet, head] = [-1, 1].map((side) => target.middle.clone().setZ(target.middle.z + side * HALF_HEIGHT));
+    return this.aim(event, target) && this.caster.ray.distanceSqToSegment(feet, head) < NEAR ** 2;
   }
 
   /** Aim the ray at a pointer's place; false if it is outside the target's view. */
