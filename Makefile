@@ -4,7 +4,7 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test check lint format types docs clean
+.PHONY: demo test check lint format types docs web web-test clean
 
 demo: $(STAMP)
 	$(VENV)/bin/adaptnet demo
@@ -30,6 +30,17 @@ docs: $(STAMP)
 	$(RUN) -m pip install --quiet -c constraints.txt -e ".[docs]"
 	$(VENV)/bin/mkdocs build --strict
 
+# The playground in the browser: a static site in web/dist.
+web: $(STAMP)
+	@command -v npm > /dev/null || { echo "the playground needs npm, which is not installed"; exit 1; }
+	$(RUN) web/emit.py web/public/data
+	cd web && npm ci && npm run build
+
+# Its tests: against the environments, and in a real browser.
+web-test: $(STAMP)
+	@if ! command -v npm > /dev/null; then echo "skipped: the playground's tests need npm, which is not installed"; \
+	else $(MAKE) web && $(RUN) web/replay.py web/test/replay.json.gz && cd web && npm test; fi
+
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit('Python 3.11 or newer is needed, this is ' + sys.version.split()[0] if sys.version_info < (3, 11) else 0)"
 	$(PYTHON) -m venv $(VENV)
@@ -39,4 +50,4 @@ $(STAMP): pyproject.toml constraints.txt
 	touch $(STAMP)
 
 clean:
-	rm -rf $(VENV) build dist site *.egg-info
+	rm -rf $(VENV) build dist site *.egg-info web/dist web/node_modules web/public

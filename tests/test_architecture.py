@@ -17,7 +17,7 @@ adapt_envs.tasks  adapt_envs.motion
 adapt_envs.motion.importing  adapt_envs.motion.exporting  adapt_envs.motion.synthesis
 adapt_envs.suite
 adapt_envs.simulation
-adapt_envs.drawing
+adapt_envs.portable  adapt_envs.drawing
 adapt_envs.vector_env
 adapt_envs.env
 adapt_envs.registration
@@ -35,14 +35,14 @@ sb3_adaptnet.objectives
 sb3_adaptnet.algorithms.tracking
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs
-sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo
+sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo  sb3_adaptnet.exporting
 sb3_adaptnet.publishing
 sb3_adaptnet
 sb3_adaptnet.commands
 """
 """Rooms, lowest first. A room imports from the layers below it, and from itself."""
 LAYER_OF = {room: layer for layer, rooms in enumerate(LAYERS.split("\n")) for room in rooms.split()}
-ROOMS_WITH_A_VIEW = ("vec_env", "evaluation", "runs", "play", "publishing", "commands", "zoo")
+ROOMS_WITH_A_VIEW = ("vec_env", "evaluation", "runs", "play", "publishing", "exporting", "commands", "zoo")
 MAY_SEE_THE_WORLD = {f"sb3_adaptnet.{room}" for room in ROOMS_WITH_A_VIEW}
 LEARNING = {"torch", "sb3_adaptnet", "stable_baselines3", "rl_zoo3"}
 MOST_LINES, LONGEST_FUNCTION, MOST_MODULES = 250, 60, 14

@@ -41,24 +41,30 @@ def build_character(morphology: Morphology | None = None, locked: Sequence[str] 
     return spec
 
 
-def compile_model(
-    spec: mujoco.MjSpec | None = None, friction: float = 1.0, ground: Ground | None = None
-) -> mujoco.MjModel:
-    """Compile a character (the plain humanoid if None) with servos, ground and fall sensors.
+def assemble(spec: mujoco.MjSpec | None = None, friction: float = 1.0, ground: Ground | None = None) -> mujoco.MjSpec:
+    """Put a character (the plain humanoid if None) together with servos, ground and fall sensors.
 
     Args:
         spec: a character from `build_character` or `humanoid.load_spec`; it is used up.
         friction: sliding friction between ground and feet.
         ground: what it stands on; the flat, endless ground if None.
-
-    Returns:
-        The model: 120 Hz, `nu` servos whose controls are actions in [-1, 1].
     """
     spec = load_spec() if spec is None else spec
     add_servos(spec)
     (Ground() if ground is None else ground).add_to(spec, friction)
     add_fall_sensors(spec)
-    return spec.compile()
+    return spec
+
+
+def compile_model(
+    spec: mujoco.MjSpec | None = None, friction: float = 1.0, ground: Ground | None = None
+) -> mujoco.MjModel:
+    """Compile what `assemble` puts together.
+
+    Returns:
+        The model: 120 Hz, `nu` servos whose controls are actions in [-1, 1].
+    """
+    return assemble(spec, friction, ground).compile()
 
 
 @cache

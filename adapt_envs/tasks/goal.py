@@ -7,9 +7,9 @@ from adapt_envs.model.humanoid import CONTROL_DT
 
 GOAL_RADIUS = 0.5
 """Within this distance [m] of the target the reward is 1; R of app. A."""
-_SHARPNESS = 3.0
+SHARPNESS = 3.0
 """The 3 in app. A's exponent."""
-_NO_DIRECTION = 0.01
+NO_DIRECTION = 0.01
 """Closer than this [m] the direction to the target is zero: it would flicker."""
 
 Array = NDArray[np.floating]
@@ -35,7 +35,7 @@ def goal_observation(root_xy: Array, root_heading: Array, target: Array, speed: 
     """
     offset = target - root_xy
     distance = np.hypot(offset[:, 0], offset[:, 1])
-    scale = np.where(distance < _NO_DIRECTION, 0, 1 / np.maximum(distance, _NO_DIRECTION))
+    scale = np.where(distance < NO_DIRECTION, 0, 1 / np.maximum(distance, NO_DIRECTION))
     c, s = np.cos(root_heading), np.sin(root_heading)
     out = np.empty((len(root_xy), 4), np.float32)
     out[:, 0] = (c * offset[:, 0] + s * offset[:, 1]) * scale
@@ -64,6 +64,6 @@ def goal_reward(before_xy: Array, after_xy: Array, target: Array, speed: Array) 
     distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-6)
     wanted = offset * (speed / distance)[:, None]
     error = (after_xy - before_xy) / CONTROL_DT - wanted
-    reward = np.exp(-_SHARPNESS * (error**2).sum(axis=1) / speed**2)
+    reward = np.exp(-SHARPNESS * (error**2).sum(axis=1) / speed**2)
     left = target - after_xy
     return np.where(np.hypot(left[:, 0], left[:, 1]) < GOAL_RADIUS, 1.0, reward)

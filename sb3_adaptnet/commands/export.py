@@ -1,4 +1,4 @@
-"""`adaptnet export`: a run's checkpoint to a weight file with a card."""
+"""`adaptnet export`: a run's checkpoint to a weight file with a card; bases and adaptations to ONNX."""
 
 import argparse
 from collections.abc import Sequence
@@ -12,16 +12,19 @@ from stable_baselines3.common.utils import ConstantSchedule
 from adapt_envs import AdaptVectorEnv, TaskSpec
 from adapt_envs.commands.output import check_output
 from adapt_envs.motion.library import load_clip, ships
+from sb3_adaptnet.commands.policy_options import shared_out, styles_of
 from sb3_adaptnet.evaluation.card import TRAINING_MEANS
+from sb3_adaptnet.exporting import Exported, save_onnx
 from sb3_adaptnet.runs.curve import panels
 from sb3_adaptnet.runs.experiment import Experiment
 from sb3_adaptnet.runs.history import Row, read_rows
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.runs.training import make_worlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
-from sb3_adaptnet.weights.checkpoint import BASE, save_adaptation, save_base
+from sb3_adaptnet.weights.checkpoint import BASE, read_kind, save_adaptation, save_base
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
 
+ONNX_SUFFIX = ".onnx"
 CLIP_SUFFIX = ".motion.npz"
 """Comes after the weights' name: their reference clip, if it is none of those that ship."""
 LAST_ROLLOUTS = 10
@@ -31,18 +34,52 @@ LAST_ROLLOUTS = 10
 def add_parser(subparsers: Any) -> None:
     """Add the subcommand `export`."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
-        "export", help="write a run's policy as a base or an adaptation (safetensors and a JSON card)"
+        "export", help="write a run's policy as a weight file, or a base with adaptations as one ONNX graph"
     )
-    parser.add_argument("run_dir", metavar="RUN", help="folder of the run")
-    parser.add_argument("-o", "--output", metavar="FILE", required=True, help="where to, as in mine.safetensors")
+    words = "folder of a run; or, for ONNX, a base and any number of its adaptations, NAME or NAME=STRENGTH each"
+    parser.add_argument("what", metavar="RUN|POLICY", nargs="+", help=words)
+    words = "where to: mine.safetensors for a run, which gets a JSON card, too; mine.onnx for a base with adaptations"
+    parser.add_argument("-o", "--output", metavar="FILE", required=True, help=words)
     parser.add_argument("--half", action="store_true", help="store the weights in half precision, in half the room")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Export and say where the file is."""
-    print(export(options.run_dir, options.output, options.half))
+    if Path(options.output).suffix == ONNX_SUFFIX:
+        print(export_onnx(options.what, options.output, options.half))
+        return 0
+    if len(options.what) > 1:
+        raise ValueError(f"only ONNX takes several policies; {options.output!r} does not end in .onnx")
+    print(export(options.what[0], options.output, options.half))
     return 0
+
+
+def export_onnx(policies: Sequence[str], output: str | Path, half: bool = False) -> Path:
+    """Write a base and its adaptations as one ONNX graph.
+
+    Args:
+        policies: the base, then its adaptations: NAME, or NAME=STRENGTH for another default strength than an equal
+            share of what the others leave of 1.
+        output: where to.
+        half: whether to store weights in half precision.
+
+    Raises:
+        ValueError: if one cannot be read or does not fit, or the output's folder does not exist.
+    """
+    check_output(output)
+    if Path(policies[0]).is_dir():
+        raise ValueError(f"{policies[0]!r} is a folder; export a run to mine.safetensors first, then that file to ONNX")
+    base = policies[0]
+    if read_kind(base) != BASE:
+        raise ValueError(f"{base!r} is an adaptation; name its base first, as in: adaptnet export walk walk-stoop")
+    try:
+        styles = styles_of(",".join(policies[1:]))
+    except argparse.ArgumentTypeError as error:
+        raise ValueError(str(error)) from None
+    exported = Exported.read(base, list(styles))
+    strengths = dict(zip(exported.adaptations, shared_out(styles).values(), strict=True))
+    return save_onnx(exported, output, strengths, half)
 
 
 def export(run_dir: str | Path, output: str | Path, half: bool = False) -> Path:

@@ -1,6 +1,7 @@
 """Every example runs, with few samples, stays short and uses public names only."""
 
 import runpy
+import subprocess
 import sys
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from made_up_motions import bvh_text, write
 
 from adapt_envs import SUITE
 from adapt_envs.motion.clip import MotionClip
+from sb3_adaptnet.commands.main import main
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -68,6 +70,29 @@ def test_evaluate_and_plot(run, tmp_path):
     printed = run("evaluate_and_plot", "--policy", file, "--alphas", 0.5, "--seconds", 1)
     assert printed.startswith("alpha 0.5: goal reward")
     assert (tmp_path / "alpha.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_run_onnx(tmp_path):
+    """In a process of its own, which proves that no torch is needed."""
+    for package in ("onnx", "onnxruntime"):
+        pytest.importorskip(package, reason="the extra [onnx] is not installed")
+    file = tmp_path / "walk.onnx"
+    assert main(["export", "walk", "walk-stoop", "-o", str(file)]) == 0
+    program = (
+        "import runpy, sys\n"
+        f"sys.argv = ['run_onnx', {str(file)!r}]\n"
+        f"runpy.run_path({str(EXAMPLES / 'run_onnx.py')!r})\n"
+        "learners = {'torch', 'stable_baselines3', 'sb3_adaptnet'} & set(sys.modules)\n"
+        "assert not learners, learners"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=EXAMPLES.parent, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    heads = [float(line.split("head")[1].split()[0]) for line in lines]
+    assert len(lines) == 11 and not any(word in done.stdout for word in ("fall", "lost"))
+    assert heads[-1] < heads[0] - 0.1, "at strength 1 the walk is bent over"
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
