@@ -72,7 +72,8 @@ def site_ground(name: str) -> SiteGround:
         ground, reach = Ground(_middle(ground.surface), ground.obstacles, ground.patches), SIDE / 2
     xy, heading = ground.spawns(200, rng)
     nearest = int(np.abs(xy).max(axis=1).argmin())
-    return SiteGround(ground, row.friction, reach, (*map(float, xy[nearest]), float(heading[nearest])))
+    spawn = float(xy[nearest, 0]), float(xy[nearest, 1]), float(heading[nearest])
+    return SiteGround(ground, row.friction, reach, spawn)
 
 
 def _middle(surface: Surface) -> Surface:

@@ -29,8 +29,9 @@ export class Playground {
   wishes: Wishes;
   theatre: Theatre | null = null;
   paused = false;
-  /** Frames drawn so far. */
+  /** Frames drawn, and pushes given, so far. */
   frames = 0;
+  pushes = 0;
   readonly stage = new Stage(element<HTMLCanvasElement>("stage"));
   private readonly angles: Angles = { ...VIEWS.flat };
   private readonly panel: Panel;
@@ -119,6 +120,7 @@ export class Playground {
   push(): void {
     const [walker, { force }] = [this.theatre?.walkers[0], this.wishes];
     if (!walker) return;
+    this.pushes += 1;
     const side = walker.heading + (Math.random() < 0.5 ? -1 : 1) * (Math.PI / 2);
     this.theatre!.push(force * Math.cos(side), force * Math.sin(side));
   }

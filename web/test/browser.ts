@@ -80,5 +80,6 @@ export async function visit(site: Site, hash: string, size: object = COARSE): Pr
   client.on("Network.loadingFinished", (event) => (bytes += event.encodedDataLength));
   await page.goto(`${site.address}${hash}`, { timeout: 120_000 });
   await page.waitForFunction("window.playground?.theatre && window.playground.frames > 2", { timeout: 120_000 });
+  if (size === COARSE) await page.evaluate("playground.stage.renderer.shadowMap.enabled = false");
   return { page, complaints, elsewhere, bytes: () => bytes };
 }

@@ -40,11 +40,11 @@ export class Pointer {
   }
 
   private down(event: PointerEvent): void {
-    this.canvas.setPointerCapture(event.pointerId);
     this.active.set(event.pointerId, event);
-    if (this.active.size > 1) this.pulled = null;
-    else this.pulled = this.targets().find((target) => this.hits(event, target)) ?? null;
+    const first = this.active.size === 1;
+    this.pulled = first ? (this.targets().find((target) => this.hits(event, target)) ?? null) : null;
     this.canvas.classList.toggle("pulling", this.pulled !== null);
+    this.canvas.setPointerCapture(event.pointerId);
   }
 
   /** Whether a pointer is on a character, or nearly: limbs that move are hard to hit. */
