@@ -1,5 +1,6 @@
 """A Hub's local cache made by hand, and no network; not a test itself."""
 
+import importlib
 import shutil
 
 import pytest
@@ -9,13 +10,14 @@ from sb3_adaptnet.hub import download
 huggingface_hub = pytest.importorskip(
     "huggingface_hub", reason="the Hub needs an optional package: pip install 'adaptnet-gym[hub]'"
 )
+constants = importlib.import_module("huggingface_hub.constants")
 COMMIT = "0123456789abcdef0123456789abcdef01234567"
 
 
 def offline_cache(monkeypatch, folder):
     """An empty cache at `folder`, as `HF_HUB_OFFLINE=1` and `HF_HUB_CACHE` make it."""
-    monkeypatch.setattr(huggingface_hub.constants, "HF_HUB_CACHE", str(folder))
-    monkeypatch.setattr(huggingface_hub.constants, "HF_HUB_OFFLINE", True)
+    monkeypatch.setattr(constants, "HF_HUB_CACHE", str(folder))
+    monkeypatch.setattr(constants, "HF_HUB_OFFLINE", True)
     download.cache_clear()
     return folder
 

@@ -11,6 +11,8 @@ def hub_library() -> Any:
         ValueError: if it is not installed.
     """
     try:
+        for part in ("constants", "errors"):  # the package loads its modules when they are first asked for
+            import_module(f"huggingface_hub.{part}")
         return import_module("huggingface_hub")
     except ImportError as error:
         raise ValueError(f"the Hub needs an optional package ({error}): pip install 'adaptnet-gym[hub]'") from error

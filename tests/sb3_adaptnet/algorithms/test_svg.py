@@ -97,7 +97,7 @@ def test_what_does_not_fit_is_refused(make_svg, walk_base, tiny_world):
     with pytest.raises(ValueError, match="without a heightmap"):
         make_svg(environment="AdaptNet/Humanoid-TerrainHills-v0")
     env = AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", num_envs=2, num_threads=1)
-    with pytest.raises(ValueError, match="walk.world.safetensors"):
-        SVG(AdaptNetPolicy, env)
+    with pytest.raises(ValueError, match="tiny.world.safetensors"):
+        SVG(AdaptNetPolicy, env, policy_kwargs={"base": str(walk_base)})
     with pytest.raises(ValueError, match="AdaptNetPolicy"):
         SVG(ActorCriticPolicy, env, tiny_world)
