@@ -133,7 +133,7 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
 def show_policies(options: argparse.Namespace, trained: RunFolder) -> Path:
     """Measure base, result and the shipped adaptation, draw them, write the result's card and the page; return it."""
     output, environment = options.output, trained.settings.env_id
-    samples = trained.load()["samples"]
+    samples, asked = trained.load()["samples"], trained.settings.samples
     policies = {f"base {Path(options.base).stem}": str(options.base)}
     file, caption = export(trained.path, output / "own"), f"own, {samples / 1000:,.0f} k samples"
     policies[caption] = str(file)
@@ -156,7 +156,7 @@ def show_policies(options: argparse.Namespace, trained: RunFolder) -> Path:
     sheets = draw_sheets(found, reference, output)
     filmed = film(found, reference, output, options.film)
     page = output / PAGE
-    write_page(page, f"The walk learns {options.style}", _sections(options, samples, figures, sheets, filmed))
+    write_page(page, f"The walk learns {options.style}", _sections(options, samples, asked, figures, sheets, filmed))
     return page
 
 
@@ -205,6 +205,7 @@ def _filmable(evaluation: Evaluation) -> bool:
 def _sections(
     options: argparse.Namespace,
     samples: int,
+    asked: int,
     figures: Mapping[str, Figures],
     sheets: Mapping[str, str],
     filmed: str | None,
@@ -215,6 +216,8 @@ def _sections(
         f" {samples:,} samples to walk in the style {style}: injected into its latent state, added to its layers, and"
         " zero at the start."
     )
+    if samples < asked:
+        words += f" The whole training takes {asked:,}; the rest of it teaches turning."
     again = f"adaptnet play {options.output / 'own.safetensors'}\nadaptnet train {env_id(style)}\n"
     sections = [("", [paragraph(words)]), ("Figures", [table(figures)])]
     if filmed is not None:
