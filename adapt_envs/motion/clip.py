@@ -1,8 +1,8 @@
 """A motion clip: configurations of the character at 30 Hz, possibly one cycle that repeats."""
 
 import hashlib
+import io
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from adapt_envs.features import rotations
 from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.motion.whole_file import write_whole
 
 FPS = 30
 """Frames per second of every clip: the control rate."""
@@ -135,16 +136,11 @@ class MotionClip:
 
     def save(self, path: str | Path) -> None:
         """Write the clip as `.npz` without pickle, whole or not at all."""
-        path = Path(path)
         meta = {"format": _FORMAT, "name": self.name, "joints": self.joint_names, "cyclic": self.cyclic,
                 "origin": self.origin, "fps": FPS}  # fmt: skip
-        part = path.with_name(path.name + ".part")
-        try:
-            with part.open("wb") as file:
-                np.savez_compressed(file, qpos=self.qpos.astype(np.float32), meta=np.array(json.dumps(meta)))
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
+        content = io.BytesIO()
+        np.savez_compressed(content, qpos=self.qpos.astype(np.float32), meta=np.array(json.dumps(meta)))
+        write_whole(Path(path), content.getvalue())
 
     @classmethod
     def load(cls, path: str | Path) -> "MotionClip":

@@ -9,8 +9,8 @@ from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
 from adapt_envs.motion.library import load_clip
 from adapt_envs.progress import Progress
+from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
-from sb3_adaptnet.commands.algorithm import algorithm_of
 from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_worlds_for
@@ -47,7 +47,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
     parser.add_argument("--device", default="cpu", help="cpu (default) or cuda")
     parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
-    add_algorithm_options(parser)
+    add_algorithm_options(parser, BEST)
     words = f"simulated seconds that the result is measured for (default {SECONDS:g})"
     parser.add_argument("--seconds", type=seconds_of, default=SECONDS, help=words)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
@@ -73,7 +73,7 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
     """
     if options.motion is None:
         raise ValueError("name a motion with --motion, or a run with --resume")
-    algo = algorithm_of(options)
+    algo = algorithm_of(options, best_for(options.base))
     entry = experiment(STYLE_ENV, options.base, algo=algo)
     clip = opened(options.motion, options.map, options.quiet)
     path = options.run_dir or RUNS / f"adapt-{options.output.name.removesuffix(WEIGHT_SUFFIX)}"

@@ -15,8 +15,8 @@ from adapt_envs.drawing.film import video_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import STYLES, load_clip
+from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
-from sb3_adaptnet.commands.algorithm import algorithm_of
 from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
@@ -51,7 +51,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--style", choices=STYLES, default=STYLE, metavar="STYLE", help=f"{names} (default {STYLE})")
     parser.add_argument("--base", default="walk", metavar="NAME_OR_FILE", help="base to adapt (default walk)")
     parser.add_argument("--samples", type=positive, help="training's samples; default: the entry's")
-    add_algorithm_options(parser)
+    add_algorithm_options(parser, BEST)
     parser.add_argument("--minutes", type=float, default=MINUTES, help=f"training's minutes (default {MINUTES:g})")
     words = f"simulated seconds of each evaluation (default {SECONDS:g})"
     parser.add_argument("--seconds", type=seconds_of, default=SECONDS, help=words)
@@ -119,7 +119,7 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
 
 def settings_of(options: argparse.Namespace) -> RunSettings:
     """Settings of the training."""
-    algo, environment = algorithm_of(options), env_id(options.style)
+    algo, environment = algorithm_of(options, best_for(options.base)), env_id(options.style)
     return RunSettings(
         env_id=environment,
         samples=options.samples or experiment(environment, options.base, algo=algo).samples,
@@ -217,7 +217,7 @@ def _sections(
         " zero at the start."
     )
     if samples < asked:
-        words += f" The whole training takes {asked:,}; the rest of it teaches turning."
+        words += f" The whole training takes {asked:,}."
     again = f"adaptnet play {options.output / 'own.safetensors'}\nadaptnet train {env_id(style)}\n"
     sections = [("", [paragraph(words)]), ("Figures", [table(figures)])]
     if filmed is not None:

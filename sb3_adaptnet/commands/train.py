@@ -3,12 +3,16 @@
 import argparse
 from typing import Any
 
-from sb3_adaptnet.runs.experiment import ALGORITHMS, experiment
+from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
+from sb3_adaptnet.commands.algorithm import algorithm_of
+from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
+DEFAULT = "ppo"
+"""The algorithm of a training for which none is named, as the paper's."""
 FROM_SCRATCH_ONLY = ("seed", "algo", "conf_file", "base", "world_model", "motion", "n_envs", "run_dir")
 """Options that a resumed run cannot change."""
 
@@ -21,8 +25,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("env_id", metavar="ID", nargs="?", help="environment, as in AdaptNet/Humanoid-Stoop-v0")
     words = "YAML file with an entry for ID, or a shipped one's name: ppo (default), paper, continue or finetune"
     parser.add_argument("--conf-file", help=words)
-    parser.add_argument("--algo", choices=list(ALGORITHMS), help="default ppo; each has a YAML file of its name")
-    parser.add_argument("--world-model", metavar="FILE", help="of svg; default: the one beside the base")
+    add_algorithm_options(parser, DEFAULT)
     parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")
     parser.add_argument("--seed", type=int, help="default 0")
     parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder")
@@ -67,9 +70,7 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
     """
     if options.env_id is None:
         raise ValueError("name an environment, as in AdaptNet/Humanoid-Stoop-v0, or a run with --resume")
-    algo = options.algo or "ppo"
-    if options.world_model is not None and algo != "svg":
-        raise ValueError(f"--world-model {options.world_model} goes with --algo svg, not with {algo}")
+    algo = algorithm_of(options, DEFAULT)
     entry = experiment(options.env_id, options.base, options.conf_file, algo)
     return RunSettings(
         env_id=options.env_id,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from adapt_envs.motion.exporting.performance import Performance
-from adapt_envs.motion.exporting.whole_file import write_whole
+from adapt_envs.motion.whole_file import write_whole
 
 _CENTIMETRES = 100.0
 """BVH states no unit; animation tools take this one."""

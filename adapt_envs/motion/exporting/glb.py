@@ -14,7 +14,7 @@ from adapt_envs.motion.exporting.extra import gltf_packages
 from adapt_envs.motion.exporting.gltf_buffer import GltfBuffer
 from adapt_envs.motion.exporting.performance import Performance
 from adapt_envs.motion.exporting.skin import Patch, patches
-from adapt_envs.motion.exporting.whole_file import write_whole
+from adapt_envs.motion.whole_file import write_whole
 
 _SRGB = 2.2
 """Exponent from a colour as screens show it to the amount of light that glTF asks for."""
