@@ -23,6 +23,7 @@ from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import MOTION, RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
+from sb3_adaptnet.world_model.world_file import read_world
 
 STYLE_ENV = "AdaptNet/Humanoid-Style-v0"
 """The environment that takes any motion."""
@@ -74,6 +75,8 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
     if options.motion is None:
         raise ValueError("name a motion with --motion, or a run with --resume")
     algo = algorithm_of(options, best_for(options.base))
+    if options.world_model is not None:
+        read_world(options.world_model)  # before anything is written
     entry = experiment(STYLE_ENV, options.base, algo=algo)
     clip = opened(options.motion, options.map, options.quiet)
     path = options.run_dir or RUNS / f"adapt-{options.output.name.removesuffix(WEIGHT_SUFFIX)}"

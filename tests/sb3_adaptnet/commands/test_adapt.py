@@ -86,6 +86,7 @@ def test_a_base_with_a_world_model_is_adapted_through_it(base, tmp_path, capsys)
         ({"--motion": "missing.bvh"}, "no such file"),
         ({"--motion": "Stoop", "--map": "map.yml"}, "a map is for BVH files"),
         ({"--motion": "Stoop", "-o": "no/such/folder/mine"}, "does not exist"),
+        ({"--motion": "Stoop", "--algo": "svg", "--world-model": "no.safetensors"}, "no weights file 'no.safetensors'"),
     ],
 )
 def test_bad_input_is_one_sentence_and_nothing_is_written(base, tmp_path, capsys, more, complaint):
