@@ -36,6 +36,7 @@ sb3_adaptnet.algorithms.tracking
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs
 sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo  sb3_adaptnet.exporting
+sb3_adaptnet.evaluation.stacking
 sb3_adaptnet.publishing
 sb3_adaptnet
 sb3_adaptnet.commands

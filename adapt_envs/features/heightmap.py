@@ -36,8 +36,8 @@ def heightmaps(ground: Ground, root_xy: NDArray[np.floating], heading: NDArray[n
     x, y = (np.ascontiguousarray(root_xy[:, i : i + 1], np.float32) for i in (0, 1))
     c, s = np.cos(heading, dtype=np.float32)[:, None], np.sin(heading, dtype=np.float32)[:, None]
     # OpenCV looks up twice as fast (`cv2.remap` and `cv2.warpAffine`: 11 against 21 us a world, one thread), but it
-    # interpolates between four corners where MuJoCo has two triangles: up to 0.04 cm off on hills, 0.9 cm on rugged and
-    # 7.3 cm on rocky ground. Made exact, with `cv2.remap` finding each triangle's plane, it is no faster (20 to 24 us).
+    # interpolates between four corners where MuJoCo has two triangles: up to 0.04 cm off on hills and 7.3 cm on rocky
+    # ground. Made exact, with `cv2.remap` finding each triangle's plane, it is no faster (20 to 24 us).
     for start in range(0, len(out), _CHUNK):
         rows = slice(start, start + _CHUNK)
         out[rows] = ground.heights(

@@ -19,8 +19,8 @@ from adapt_envs.model.terrain import (
     rocky,
     rugged,
     sloped_surfaces,
+    stepped,
     uniform_noise,
-    without_bulges,
 )
 
 __all__ = [
@@ -52,6 +52,6 @@ __all__ = [
     "rugged",
     "sloped_surfaces",
     "sole_corners",
+    "stepped",
     "uniform_noise",
-    "without_bulges",
 ]

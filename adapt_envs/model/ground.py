@@ -52,7 +52,7 @@ class Ground:
         """
         if self.surface is None:
             return self
-        whole = Surface(self.surface.heights, self.surface.low, shaded=True)
+        whole = Surface(self.surface.heights, self.surface.low, shaded=True, grid=self.surface.grid)
         return Ground(whole if middle is None else whole.cut(middle, side), self.obstacles, self.patches)
 
     def height_at(self, xy: Array) -> NDArray[np.float32]:

@@ -22,18 +22,21 @@ Array = NDArray[np.floating]
 
 
 class Surface:
-    """Heights on a grid of 0.1 m, triangulated as MuJoCo does.
+    """Heights on a grid, triangulated as MuJoCo does.
 
     Attributes:
         heights: (rows along y, columns along x) float32 [m].
         low: (2,) world position x, y of the first height [m].
         shaded: whether a model shows it coloured by height, which costs memory that physics does not need.
+        grid: distance of neighbouring heights [m].
     """
 
-    def __init__(self, heights: NDArray[np.floating], low: tuple[float, float], shaded: bool = False) -> None:
+    def __init__(
+        self, heights: NDArray[np.floating], low: tuple[float, float], shaded: bool = False, grid: float = GRID
+    ) -> None:
         """Keep the heights; `low` is where the first one lies."""
         self.heights = np.ascontiguousarray(heights, np.float32)
-        self.low, self.shaded = low, shaded
+        self.low, self.shaded, self.grid = low, shaded, grid
 
     @cached_property
     def _flat(self) -> NDArray[np.float32]:
@@ -56,20 +59,19 @@ class Surface:
         b *= np.maximum(u, v)
         return a + b + c
 
-    @staticmethod
-    def _cells(values: NDArray[np.float32], low: float, count: int) -> NDArray[np.float32]:
+    def _cells(self, values: NDArray[np.float32], low: float, count: int) -> NDArray[np.float32]:
         cells = values - np.float32(low)
-        cells *= np.float32(1 / GRID)
+        cells *= np.float32(1 / self.grid)
         np.maximum(cells, np.float32(0), out=cells)
         # Just short of the last height, so that the cell's other corners exist.
         return np.minimum(cells, np.float32(count - 1.001), out=cells)
 
     def add_to(self, spec: mujoco.MjSpec, friction: float) -> None:
         """Add the surface to a model's world as its floor."""
-        material = paint(spec, self.heights, self.low) if self.shaded else "ground"
+        material = paint(spec, self.heights, self.low, self.grid) if self.shaded else "ground"
         rows, columns = self.heights.shape
         lowest, highest = float(self.heights.min()), float(self.heights.max())
-        half = ((columns - 1) * GRID / 2, (rows - 1) * GRID / 2)
+        half = ((columns - 1) * self.grid / 2, (rows - 1) * self.grid / 2)
         spec.add_hfield(
             name="terrain", nrow=rows, ncol=columns, size=(*half, max(highest - lowest, 1e-3), _DEPTH),
             userdata=self.heights.ravel(),
@@ -81,30 +83,35 @@ class Surface:
 
     def cut(self, middle: Array, side: float) -> "Surface":
         """The square of `side` [m] around the point `middle` (2,), moved to stay within the surface."""
-        cells = round(side / GRID)
-        first = np.round((np.asarray(middle) - self.low) / GRID).astype(int) - cells // 2
+        cells = round(side / self.grid)
+        first = np.round((np.asarray(middle) - self.low) / self.grid).astype(int) - cells // 2
         column, row = (int(i) for i in np.clip(first, 0, np.array(self.heights.shape[::-1]) - cells - 1))
-        low = (self.low[0] + column * GRID, self.low[1] + row * GRID)
-        return Surface(self.heights[row : row + cells + 1, column : column + cells + 1], low, self.shaded)
+        low = (self.low[0] + column * self.grid, self.low[1] + row * self.grid)
+        piece = self.heights[row : row + cells + 1, column : column + cells + 1]
+        return Surface(piece, low, self.shaded, self.grid)
 
 
 def atlas(terrain: Terrain, patches: Patches, rng: np.random.Generator) -> Surface:
     """Patches of a terrain, side by side on one surface; they pass into each other, and into a flat apron, at height 0.
 
     Raises:
-        ValueError: if the terrain's function returns something else than finite heights (size, size).
+        ValueError: if the terrain's function returns something else than finite heights (size, size), or on a finer
+            grid.
     """
     side = range(patches.per_side)
     heights = np.block([[_patch(terrain, rng) for _ in side] for _ in side])
-    heights = np.pad(heights, (_APRON, _APRON + 1))
+    fine = round(len(heights) * GRID / (2 * patches.half))
+    heights = np.pad(heights, (_APRON * fine, _APRON * fine + 1))
     edge = -patches.half - _APRON * GRID
-    return Surface(heights, (edge, edge))
+    return Surface(heights, (edge, edge), grid=GRID / fine)
 
 
 def _patch(terrain: Terrain, rng: np.random.Generator) -> NDArray[np.float64]:
     """A patch with half the strip around it; its last row and column are the next patch's first."""
     size = round(PATCH / GRID) + 1
     heights = np.asarray(terrain(rng, size), np.float64)
-    if heights.shape != (size, size) or not np.isfinite(heights).all():
+    fine = max(1, (heights.shape[0] - 1) // (size - 1)) if heights.ndim else 1
+    side = fine * (size - 1) + 1
+    if heights.shape != (side, side) or not np.isfinite(heights).all():
         raise ValueError(f"the terrain's function returned {heights.shape}, expected finite heights ({size}, {size})")
-    return np.pad(heights, round(STRIP / GRID / 2), "linear_ramp")[:-1, :-1]
+    return np.pad(heights, fine * round(STRIP / GRID / 2), "linear_ramp")[:-1, :-1]

@@ -1,7 +1,8 @@
 """Heights of uneven ground (paper, appendix C): pure functions that draw one square patch.
 
 A terrain is a function `(rng, size) -> heights`: an array (size, size) [m] on a grid of 0.1 m, rows along y and columns
-along x. Only the world's generator `rng` may be random in it.
+along x; or on a finer one that divides each of these cells into n x n, (n (size - 1) + 1) heights along each side. Only
+the world's generator `rng` may be random in it.
 """
 
 from collections.abc import Callable
@@ -11,19 +12,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 GRID = 0.1
-"""Distance of neighbouring heights [m]; that of the heightmap, too."""
+"""Distance of neighbouring heights [m], unless a terrain is finer; that of the heightmap, too."""
 HIGHEST = 0.75
 """Heights are normalised to +- this [m]; paper, appendix C."""
 _WAVELENGTH = 6.0
 """Wavelength of the Perlin noise [m]."""
 _NOISE, _NOISE_GRID = 0.1, 0.4
 """Greatest uniform noise [m] and the distance of its draws [m]; in between it is interpolated."""
+_RUGGED_NOISE_GRID, _RUGGED_NOISE_STEP = 0.2, 0.05
+"""On rugged ground the noise is drawn every 0.2 m, and is a multiple of 0.05 m, as in the authors' release."""
 _STEP_SIDE, _STEP_HEIGHT, _STEPS_PER_M2 = (0.6, 2.4), (-0.15, 0.15), 0.12
 """Rectangular steps: side lengths [m], heights [m] and their number per square metre."""
-_SLOPE, _SLOPE_LENGTH = 0.3, 2.5
-"""Steepest of the rugged terrain's surfaces and their length [m]."""
+_SLOPE, _SLOPE_LENGTH, _SLOPE_RISE = 0.3, 1.5, 0.325
+"""Steepest of the rugged terrain's surfaces, their length, and how far they rise and sink along one axis [m].
+
+Two axes and the noise together stay within +-0.75 m: normalising them never makes the steps smaller.
+"""
 _SLOPE_LIMIT = 0.5
-"""Bulges of the rugged terrain are cut off where they are steeper."""
+"""What is steeper on rugged ground becomes a vertical step."""
+_FINE = 2
+"""Cells along each side that `stepped` makes of one."""
 
 Heights = NDArray[np.float64]
 Terrain = Callable[[np.random.Generator, int], Heights]
@@ -41,8 +49,9 @@ def rocky(rng: np.random.Generator, size: int) -> Heights:
 
 
 def rugged(rng: np.random.Generator, size: int) -> Heights:
-    """Surfaces of slopes -0.3 to 0.3 with uniform noise, normalised; bulges steeper than 0.5 are cut off."""
-    return without_bulges(normalised(sloped_surfaces(rng, size) + uniform_noise(rng, size)), _SLOPE_LIMIT)
+    """Surfaces of slopes -0.3 to 0.3 with uniform noise, normalised; what is steeper than 0.5 becomes steps."""
+    noise = uniform_noise(rng, size, _RUGGED_NOISE_GRID, _RUGGED_NOISE_STEP)
+    return stepped(normalised(sloped_surfaces(rng, size) + noise), _SLOPE_LIMIT)
 
 
 TERRAINS: dict[str, Terrain] = {"hills": hills, "rocky": rocky, "rugged": rugged}
@@ -74,12 +83,25 @@ def perlin(rng: np.random.Generator, size: int, wavelength: float) -> Heights:
     return wavelength * (lower + fade[:, None] * (upper - lower))
 
 
-def uniform_noise(rng: np.random.Generator, size: int) -> Heights:
-    """Noise uniform in +-0.1 m, sampled every 0.4 m and interpolated linearly, so that a foot can stand on it."""
-    nodes = int((size - 1) * GRID / _NOISE_GRID) + 2
-    offsets = rng.uniform(-_NOISE, _NOISE, (nodes, nodes))
+def uniform_noise(
+    rng: np.random.Generator, size: int, apart: float = _NOISE_GRID, step: float | None = None
+) -> Heights:
+    """Noise uniform in +-0.1 m, sampled every `apart` [m] and interpolated linearly.
+
+    Args:
+        rng: the generator.
+        size: heights along each side.
+        apart: distance of the samples [m]: 0.2 or 0.4, at which a foot can stand on it.
+        step: samples are multiples of this [m]; None for any number.
+    """
+    nodes = int((size - 1) * GRID / apart) + 2
+    if step is None:
+        offsets = rng.uniform(-_NOISE, _NOISE, (nodes, nodes))
+    else:
+        most = round(_NOISE / step)
+        offsets = step * rng.integers(-most, most, (nodes, nodes), endpoint=True)
     # Exact: OpenCV's weights are multiples of 1/32, and so are quarters of a cell.
-    to_nodes = np.diag([GRID / _NOISE_GRID, GRID / _NOISE_GRID, 0])[:2]
+    to_nodes = np.diag([GRID / apart, GRID / apart, 0])[:2]
     return np.asarray(cv2.warpAffine(offsets, to_nodes, (size, size), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP))
 
 
@@ -95,27 +117,42 @@ def rectangular_steps(rng: np.random.Generator, size: int) -> Heights:
 
 
 def sloped_surfaces(rng: np.random.Generator, size: int) -> Heights:
-    """Planes of 2.5 m that join without steps, each with slopes sampled from -0.3 to 0.3 along x and along y."""
+    """Planes of 1.5 m that join without steps, each with slopes sampled from -0.3 to 0.3 along x and along y."""
     return _broken_line(rng, size) + _broken_line(rng, size)[:, None]
 
 
 def _broken_line(rng: np.random.Generator, size: int) -> Heights:
-    """(size,) heights of a path whose slope changes every 2.5 m and turns back where it would leave +-0.4 m."""
+    """(size,) heights of a path whose slope changes every 1.5 m; sampled of those that keep it within 0.325 m."""
     length = round(_SLOPE_LENGTH / GRID)
-    slopes, height = rng.uniform(-_SLOPE, _SLOPE, -(-size // length)), 0.0
-    for i, slope in enumerate(slopes):
-        if abs(height + slope * _SLOPE_LENGTH) > 0.4:
-            slopes[i] = -slope
+    slopes, height = np.empty(-(-size // length)), 0.0
+    for i in range(len(slopes)):
+        lowest, highest = ((edge - height) / _SLOPE_LENGTH for edge in (-_SLOPE_RISE, _SLOPE_RISE))
+        slopes[i] = rng.uniform(max(-_SLOPE, lowest), min(_SLOPE, highest))
         height += slopes[i] * _SLOPE_LENGTH
     return np.cumsum(np.repeat(slopes, length)[:size]) * GRID
 
 
-def without_bulges(heights: Heights, limit: float) -> Heights:
-    """The highest surface nowhere above `heights` (n, m) whose slopes along x and y are at most `limit`."""
-    for axis in (0, 1):
-        shape = (-1, 1) if axis == 0 else (1, -1)
-        climb = limit * GRID * np.arange(heights.shape[axis]).reshape(shape)
-        ahead = np.minimum.accumulate(heights - climb, axis=axis) + climb
-        behind = np.flip(np.minimum.accumulate(np.flip(heights + climb, axis), axis=axis), axis) - climb
-        heights = np.minimum(ahead, behind)
-    return heights
+def stepped(heights: Heights, limit: float) -> Heights:
+    """Heights (2n - 1, 2m - 1) on the half grid of (n, m) ones, faces steeper than `limit` replaced by steps.
+
+    The authors gave their heights and a `slope_threshold` to a maker of meshes, which moves the vertices below a steep
+    face to beneath those above it: lower ground goes on to there and ends at a vertical wall. Here it goes on likewise.
+    As MuJoCo's heightfields have no vertical faces, the wall stands in the last half cell before the upper edge, 5 cm.
+    What was upper edge on both sides would be a wall without thickness: such a bulge is cut off at the higher side.
+    """
+    return _stepped_along_x(_stepped_along_x(heights, limit).T, limit).T
+
+
+def _stepped_along_x(heights: Heights, limit: float) -> Heights:
+    """`stepped` along each row, (n, m) to (n, 2m - 1)."""
+    first, second = heights[:, :-1], heights[:, 1:]
+    steep = np.abs(second - first) > limit * GRID
+    lower = np.minimum(first, second)
+    # What each cell is at its two ends: in a steep one the lower ground all along.
+    begins, ends = np.where(steep, lower, first), np.where(steep, lower, second)
+    found = np.empty((len(heights), _FINE * first.shape[1] + 1))
+    found[:, :1], found[:, -1:] = heights[:, :1], heights[:, -1:]
+    found[:, _FINE:-1:_FINE] = np.maximum(ends[:, :-1], begins[:, 1:])
+    for i in range(1, _FINE):
+        found[:, i::_FINE] = begins + i / _FINE * (ends - begins)
+    return found

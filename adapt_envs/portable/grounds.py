@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from adapt_envs.model.ground import Ground, make_ground
 from adapt_envs.model.obstacles import OBSTACLES
 from adapt_envs.model.surface import Surface
-from adapt_envs.model.terrain import GRID, TERRAINS
+from adapt_envs.model.terrain import TERRAINS
 from adapt_envs.portable.choices import GROUNDS
 from adapt_envs.tables import entry
 
@@ -38,7 +38,7 @@ class SiteGround:
 
     @property
     def heights(self) -> NDArray[np.float32] | None:
-        """(rows along y, columns along x) heights [m] on a grid of 0.1 m, or None for flat ground."""
+        """(rows along y, columns along x) heights [m] on the surface's grid, or None for flat ground."""
         return None if self.ground.surface is None else self.ground.surface.heights
 
     def to_json(self) -> dict[str, Any]:
@@ -47,7 +47,8 @@ class SiteGround:
         values: dict[str, Any] = {"friction": self.friction, "reach": self.reach if np.isfinite(self.reach) else None}
         if surface is not None:
             rows, columns = surface.heights.shape
-            values["surface"] = {"rows": rows, "columns": columns, "grid": GRID, "low": [float(v) for v in surface.low]}
+            low = [float(v) for v in surface.low]
+            values["surface"] = {"rows": rows, "columns": columns, "grid": surface.grid, "low": low}
         if blocks is not None:
             columns_ = (*blocks.centre.T, *blocks.half.T, blocks.yaw, blocks.top)
             names = ("x", "y", "half_x", "half_y", "yaw", "top")
@@ -85,4 +86,4 @@ def _middle(surface: Surface) -> Surface:
     part = surface.cut(np.zeros(2), SIDE)
     heights = part.heights.copy()
     heights[0, 0], heights[-1, -1] = surface.heights.min(), surface.heights.max()
-    return Surface(heights, part.low)
+    return Surface(heights, part.low, grid=part.grid)

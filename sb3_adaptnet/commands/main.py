@@ -24,6 +24,7 @@ def make_parser() -> argparse.ArgumentParser:
     train.add_parser(subparsers)
     adapt.add_parser(subparsers)
     evaluation.add_parser(subparsers)
+    evaluation.add_stack_parser(subparsers)
     play.add_parser(subparsers)
     export.add_parser(subparsers)
     hub.add_parser(subparsers)

@@ -15,8 +15,8 @@ from sb3_adaptnet.evaluation.recording import WORLDS, open_worlds
 from sb3_adaptnet.policies.adaptnet import TRAINED, AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_policy
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
-from sb3_adaptnet.weights.checkpoint import BASE, read_kind, resolve
-from sb3_adaptnet.weights.weight_file import read_weights
+from sb3_adaptnet.weights.card import trained_in
+from sb3_adaptnet.weights.checkpoint import BASE, read_kind
 
 Item = TypeVar("Item")
 
@@ -49,11 +49,13 @@ class LoadedPolicy:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the policy and what goes with it: environment, motion, base, alpha, blend, threads."""
+    """Add the policy and what goes with it: environment, motion, clip, base, alpha, blend, threads."""
     words = "name of a shipped base or adaptation, a weight file, or hf://OWNER/NAME"
     parser.add_argument("policy", metavar="POLICY", help=words)
     parser.add_argument("--env", metavar="ID", help="environment; default: the one it was trained in")
     parser.add_argument("--motion", metavar="NAME|FILE", help="reference clip, for environments that take motion=")
+    words = "a style's clip: start from it, walk at its speeds and compare with it, whatever the environment"
+    parser.add_argument("--clip", metavar="NAME|FILE", help=words)
     parser.add_argument("--base", metavar="NAME|FILE", help="base of the policy, where it is not found by itself")
     parser.add_argument("--alpha", type=float, help="strength of the adaptation: 0 is the base, 1 the default")
     words = "adaptations of the same base to blend, as in walk-stoop,walk-penguin or walk-stoop=0.3,walk-penguin=0.7"
@@ -69,7 +71,7 @@ def open_from_options(options: argparse.Namespace, num_worlds: int = WORLDS) -> 
     """
     if options.threads is not None:
         torch.set_num_threads(options.threads)
-    env = open_worlds_for(options.policy, options.env, options.motion, num_worlds, options.threads)
+    env = open_worlds_for(options.policy, options.env, options.motion, num_worlds, options.threads, options.clip)
     policy = open_policy(options.policy, env, options.base, options.alpha, options.styles)
     first = next(iter(options.styles), options.policy) if read_kind(options.policy) == BASE else options.policy
     return LoadedPolicy(policy, env, options.policy, Path(first).stem)
@@ -77,34 +79,24 @@ def open_from_options(options: argparse.Namespace, num_worlds: int = WORLDS) -> 
 
 def open_worlds_for(
     policy: str, env_id: str | None = None, motion: str | None = None, num_worlds: int = WORLDS,
-    threads: int | None = None,
+    threads: int | None = None, clip: str | None = None,
 ) -> AdaptVectorEnv:  # fmt: skip
     """Worlds of an environment, or of the one that a weight file's card names if `env_id` is None.
 
+    With `clip` they are a style's on this ground: its motion, and the speeds that its own environment asks for.
+
     Raises:
-        ValueError: if the card names none, or there is no such environment or motion.
+        ValueError: if the card names none, there is no such environment or motion, or two motions are given.
     """
+    if clip is not None and motion is not None:
+        raise ValueError(f"--clip {clip} and --motion {motion} both name a reference; give one of them")
     if env_id is None:
         env_id, trained_on = trained_in(policy)
         motion = motion or trained_on
-    overrides = {} if motion is None else {"motion": motion}
+    overrides: dict[str, Any] = {} if motion is None else {"motion": motion}
+    if clip is not None:
+        overrides = {"motion": clip, "speed_range": None}
     return open_worlds(env_id, num_worlds, num_threads=threads, **overrides)
-
-
-def trained_in(policy: str) -> tuple[str, str | None]:
-    """Environment that a weight file's card names, and its clip if the environment has none of its own.
-
-    Raises:
-        ValueError: if the card names no environment.
-    """
-    file = resolve(policy)
-    card = read_weights(file)[1]
-    environment = card.get("environment")
-    if not isinstance(environment, str):
-        raise ValueError(f"{policy!r} does not say what it was trained in; name an environment with --env")
-    motion = card.get("motion") if "-Style-" in environment else None
-    beside = file.with_name(motion) if motion is not None and Path(motion).name == motion else None
-    return environment, str(beside) if beside is not None and beside.is_file() else motion
 
 
 def open_policy(

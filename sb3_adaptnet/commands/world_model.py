@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from adapt_envs.commands.output import check_output
-from sb3_adaptnet.commands.policy_options import ProgressBar, trained_in
+from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.commands.train import positive
 from sb3_adaptnet.runs.world_fit import FitPlan, fit_world, record_transitions
+from sb3_adaptnet.weights.card import trained_in
 from sb3_adaptnet.world_model.fitting.error_table import error_table
 from sb3_adaptnet.world_model.world_file import read_world
 

@@ -13,8 +13,11 @@ CODE_SIZE = 256
 _LAYERS = ((32, 5, 5), (64, 3, 1), (128, 3, 1), (CODE_SIZE, 3, 1))
 """(output channels, kernel, stride) of every layer.
 
-The appendix speaks of three layers; four is what the authors ran: they take the 35x35 grid to 7x7, 5x5, 3x3 and 1x1
-points, without pooling, after Mnih et al. (2013).
+The appendix speaks of three layers. The authors' release has these four: they take the 35x35 grid to 7x7, 5x5, 3x3
+and 1x1 points, without pooling, after Mnih et al. (2013). Two things differ. There ReLU follows all layers but the
+last; here ReLU6 follows all four, so that a code lies in [0, 6]. There heights are divided by 1.5 first; here they
+are metres, and the first layer learns the factor. The weights that ship were trained so, and files hold no such
+choice.
 """
 
 

@@ -58,13 +58,14 @@ def tile(ground: Ground, key: TileKey) -> Tile:
 
     The heights are those at the corners of the terrain's own cells, so that the triangles are those that feet meet.
     """
-    cells = round(TILE / GRID)
+    grid = GRID if ground.surface is None else ground.surface.grid
+    cells = round(TILE / grid)
     low = (key[0] * TILE, key[1] * TILE)
-    x, y = (start + GRID * np.arange(cells + 1) for start in low)
+    x, y = (start + grid * np.arange(cells + 1) for start in low)
     xy = np.stack(np.meshgrid(x, y), axis=-1)
     heights = ground.floor_at(xy)
     vertices = np.concatenate([xy.astype(np.float32), heights[..., None]], axis=-1).reshape(-1, 3)
-    picture = painted(heights, low)
+    picture = painted(heights, low, grid)
     # From the middle of the first pixel to that of the last one: beyond, textures begin again at the other edge.
     edge = 0.5 / len(picture)
     along = np.linspace(edge, 1 - edge, cells + 1, dtype=np.float32)

@@ -1,8 +1,9 @@
-"""Adding to the card of a weight file that exists; its weights stay as they are."""
+"""What a weight file's card says, and adding to the card of one that exists; its weights stay as they are."""
 
 from pathlib import Path
 from typing import Any
 
+from sb3_adaptnet.weights.checkpoint import resolve
 from sb3_adaptnet.weights.weight_file import read_weights, write_weights
 
 FIXED = ("format", "hash", "kind", "observation_version", "architecture", "base", "method", "shape")
@@ -30,3 +31,19 @@ def amend_card(file: Path, **entries: Any) -> dict[str, Any]:
     amended = {name: value for name, value in (card | entries).items() if value is not None or name not in entries}
     write_weights(file, tensors, amended)
     return amended
+
+
+def trained_in(policy: str) -> tuple[str, str | None]:
+    """Environment that a weight file's card names, and its clip if the environment has none of its own.
+
+    Raises:
+        ValueError: if the card names no environment.
+    """
+    file = resolve(policy)
+    card = read_weights(file)[1]
+    environment = card.get("environment")
+    if not isinstance(environment, str):
+        raise ValueError(f"{policy!r} does not say what it was trained in; name an environment with --env")
+    motion = card.get("motion") if "-Style-" in environment else None
+    beside = file.with_name(motion) if motion is not None and Path(motion).name == motion else None
+    return environment, str(beside) if beside is not None and beside.is_file() else motion

@@ -9,10 +9,12 @@ from adapt_envs.features.heightmap import AHEAD, ASIDE, SIZE, heightmaps
 from adapt_envs.model.ground import Ground, make_ground
 from adapt_envs.model.patch_grid import INSET, PATCH
 from adapt_envs.model.surface import Surface
-from adapt_envs.model.terrain import GRID, TERRAINS, normalised, perlin, uniform_noise, without_bulges
+from adapt_envs.model.terrain import GRID, TERRAINS, normalised, perlin, sloped_surfaces, stepped, uniform_noise
 
 ROWS = ("TerrainHills", "TerrainRocky", "TerrainRugged")
 CELLS = round(PATCH / GRID) + 1
+HILLS, ROCKY = (16506.299859587252, 91273.22547173171), (10280.571308375043, 61280.47968570627)
+"""Sum of the heights [m] and of their squares [m2] of the atlas of seed 0."""
 
 
 def ray_heights(model, xy):
@@ -63,8 +65,9 @@ def test_patches_reach_from_lowest_to_highest(worlds):
 
 def patch_heights(ground, row, column):
     surface, centres = ground.surface, ground.patches.centres_1d
-    low = np.round((centres[[column, row]] - PATCH / 2 - surface.low) / GRID).astype(int)
-    return surface.heights[low[1] : low[1] + CELLS, low[0] : low[0] + CELLS]
+    low = np.round((centres[[column, row]] - PATCH / 2 - surface.low) / surface.grid).astype(int)
+    cells = round(PATCH / surface.grid) + 1
+    return surface.heights[low[1] : low[1] + cells, low[0] : low[0] + cells]
 
 
 def test_patches_join_without_cliffs(worlds):
@@ -177,24 +180,69 @@ def test_normalised_heights_reach_from_end_to_end_on_one_line():
     assert np.allclose(found - found[0, 0], slope * (heights - heights[0, 0]), atol=1e-12)
 
 
-def test_cut_bulges_are_the_highest_surface_within_the_slope():
-    heights = np.random.default_rng(0).uniform(-0.3, 0.3, (40, 50))
-    cut = without_bulges(heights, 0.5)
-    rows, columns = np.arange(40)[:, None], np.arange(50)[None]
-    for i, j in ((0, 0), (17, 23), (39, 49)):
-        envelope = heights + 0.5 * GRID * (np.abs(rows - i) + np.abs(columns - j))
-        assert cut[i, j] == pytest.approx(envelope.min())
-    for axis in (0, 1):
-        assert np.abs(np.diff(cut, axis=axis)).max() <= 0.5 * GRID + 1e-12
+def test_noise_in_steps_is_a_multiple_of_them_and_every_multiple_is_as_likely():
+    nodes = uniform_noise(np.random.default_rng(0), 241, apart=0.2, step=0.05)[::2, ::2]
+    values, counts = np.unique(np.round(nodes / 0.05, 9), return_counts=True)
+    assert values.tolist() == [-2, -1, 0, 1, 2]
+    assert counts / counts.sum() == pytest.approx(0.2, abs=0.02)
 
 
-def test_rugged_slopes_are_limited_and_rocky_ones_have_steps():
-    patches = {name: draw(np.random.default_rng(0), CELLS) for name, draw in TERRAINS.items()}
+def test_lower_ground_goes_on_to_beneath_the_upper_edge_of_a_steep_face():
+    """A cell of 0.1 m that rises by more than 0.05 m: its lower height, and the wall in the last 5 cm."""
+    profile = np.array([0.0, 0.02, 0.12, 0.14, 0.24, 0.34, 0.34, 0.1, 0.13])
+    expected = [0, 0.01, 0.02, 0.02, 0.12, 0.13, 0.14, 0.14, 0.24, 0.24, 0.34, 0.34, 0.34, 0.1, 0.1, 0.115, 0.13]
+    for heights in (np.tile(profile, (5, 1)), np.tile(profile[::-1], (5, 1))):
+        along_x, along_y = stepped(heights, 0.5), stepped(heights.T, 0.5)
+        assert along_x.shape == (9, 17) and np.array_equal(along_x, along_y.T)
+        row = along_x[4] if heights[0, 0] == 0 else along_x[4, ::-1]
+        assert row == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_wall_without_thickness_is_cut_off_at_the_higher_side():
+    assert stepped(np.tile([0.0, 0.2, 0.03], (3, 1)), 0.5)[0] == pytest.approx([0, 0, 0.03, 0.03, 0.03])
+
+
+def test_ground_that_is_nowhere_steep_stays_as_it_is():
+    heights = TERRAINS["hills"](np.random.default_rng(0), 41) / 4
+    assert np.abs(np.diff(heights)).max() < 0.05
+    fine = stepped(heights, 0.5)
+    assert np.array_equal(fine[::2, ::2], heights)
+    assert fine[::2, 1::2] == pytest.approx((heights[:, 1:] + heights[:, :-1]) / 2, abs=1e-12)
+
+
+def test_rugged_faces_are_gentle_or_walls_within_five_centimetres():
+    patch = TERRAINS["rugged"](np.random.default_rng(0), 241)
+    assert patch.shape == (481, 481)
+    for rows in (patch[::2], patch.T[::2]):
+        slope = np.abs(np.diff(rows, axis=1)) / (GRID / 2)
+        assert 0.05 < (slope > 1).mean() < 0.25 and 2 < slope.max() < 4
+        assert ((slope > 0.5 + 1e-9) & (slope < 1)).mean() < 0.02
+
+
+def test_surfaces_and_noise_of_rugged_ground_are_never_made_smaller():
+    """Else its steps would shrink with them: both together have less than the 1.5 m that they are scaled to."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        surfaces = sloped_surfaces(rng, 241)
+        assert np.abs(surfaces).max() <= 0.65 + 1e-9
+        assert np.abs(np.diff(surfaces)).max() <= 0.3 * GRID + 1e-9
+        assert np.ptp(surfaces) > 0.6
+
+
+def test_hills_have_no_steps_and_rocky_ground_has():
+    patches = {name: TERRAINS[name](np.random.default_rng(0), CELLS) for name in ("hills", "rocky")}
     steepest = {name: np.abs(np.diff(patch, axis=1)).max() / GRID for name, patch in patches.items()}
-    assert steepest["rugged"] <= 0.5 + 1e-9
     assert steepest["hills"] < 1
     assert 1.5 < steepest["rocky"] < 6
     assert np.array_equal(normalised(np.ones((3, 3))), np.zeros((3, 3)))
+
+
+def test_hills_and_rocky_ground_are_what_policies_were_trained_on():
+    """Sums of the atlas of seed 0, as they were before rugged ground got steps: weights that ship know these worlds."""
+    for name, (total, squares) in {"hills": HILLS, "rocky": ROCKY}.items():
+        heights = make_ground(TERRAINS[name], None, 0).surface.heights.astype(np.float64)
+        assert heights.shape == (1281, 1281)
+        assert (heights.sum(), (heights**2).sum()) == pytest.approx((total, squares), rel=1e-6)
 
 
 def test_a_wrong_terrain_is_named():

@@ -1,0 +1,91 @@
+"""Pairs of tiny adaptations, measured, tabled and drawn by the command."""
+
+import csv
+from functools import partial
+
+import cv2
+import pytest
+from evaluation_cases import save_tiny_adaptation, save_tiny_base
+
+from adapt_envs import env_id
+from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.evaluation.recording import record_straight
+from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, write_heat_map
+from sb3_adaptnet.weights.card import amend_card
+
+
+@pytest.fixture(scope="module")
+def tiny(tmp_path_factory):
+    """A style, a body and two grounds of one base."""
+    base = save_tiny_base(tmp_path_factory.mktemp("stacks"))
+    amend_card(base, environment=env_id("Walk"))
+    made = {}
+    for seed, name in enumerate(("Stoop", "LongShinsWalk", "IceWalk")):
+        made[name] = save_tiny_adaptation(base, name.lower(), seed=seed)
+        amend_card(made[name], environment=env_id(name))
+    return made
+
+
+def cell(acting="both", falls=0.2, visible=True, first="walk-a", kinds="style + ground"):
+    error = None if visible is None else 0.03
+    return Cell(first, "walk-b", kinds, acting, 0.5, falls, error, visible, (), 200.0, 0)
+
+
+def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
+    monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
+    table, picture = tmp_path / "cells.csv", tmp_path / "map.png"
+    words = ["--seconds", "20", "--threads", "1", "--seed", "3", "--csv", str(table), "-o", str(picture)]
+    assert main(["stack", *map(str, tiny.values()), *words]) == 0
+    printed = capsys.readouterr().out
+    assert "style + ground: 0 of 1 pairs" in printed and "body + ground: 0 of 1" in printed
+    with table.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["acting"] for row in rows] == ["base", "first", "second", "both"] * 3
+    assert {(row["first"], row["second"]) for row in rows} == {
+        ("stoop", "icewalk"), ("stoop", "longshinswalk"), ("longshinswalk", "icewalk"),
+    }  # fmt: skip
+    assert all(row["seed"] == "3" and float(row["seconds"]) == 20 for row in rows)
+    for start in (0, 4, 8):
+        goals = [row["goal_reward"] for row in rows[start : start + 4]]
+        assert len(set(goals)) == 4, "base, either and the sum act differently"
+    assert rows[0]["visible"] == "False" and rows[8]["visible"] == ""
+    assert cv2.imread(str(picture)).shape[2] == 3
+
+
+def test_a_sum_adds_up_if_it_seldom_falls_and_its_style_is_visible():
+    assert cell().adds_up and cell(falls=0.5).adds_up
+    assert not cell(falls=0.6).adds_up and not cell(visible=False).adds_up
+    assert cell(visible=None, kinds="body + ground").adds_up
+
+
+def test_table_and_picture_say_which_add_up(tmp_path):
+    pairs = [
+        [cell(acting, falls, acting == "both", name) for acting, falls in zip(cells.ACTING, found, strict=True)]
+        for name, found in (("walk-a", (33.0, 4.0, 0.9, 0.2)), ("walk-c", (33.0, 4.0, 0.9, 2.0)))
+    ]
+    text = markdown(pairs).splitlines()
+    assert (
+        text[0]
+        == "style + ground: 1 of 2 pairs fall at most 0.5 times a minute with the style visible: walk-a + walk-b."
+    )
+    assert text[4].startswith("| walk-a + walk-b | 33.0 / 4.0 / 0.9 / 0.2 | ") and text[4].endswith("| **yes** |")
+    assert text[5].endswith("| no / no / no / yes | no |")
+    write_heat_map(pairs, tmp_path / "map.png")
+    picture = cv2.imread(str(tmp_path / "map.png")).reshape(-1, 3)
+    assert (abs(picture.astype(int) - (155, 112, 66)).max(axis=1) < 12).any(), "the frame of what adds up"
+
+
+@pytest.mark.parametrize(
+    "words, complaint",
+    [
+        (["walk-penguin"], "no two of walk-penguin"),
+        (["--csv", "cells.txt"], "the extension must be .csv"),
+        (["-o", "map.jpg"], "the extension must be .png"),
+        (["walk-penguin", "walk-icewalk", "--seconds", "0.01"], "one step of 20 worlds"),
+    ],
+)
+def test_bad_input_is_one_sentence(capsys, words, complaint):
+    assert main(["stack", *words]) == 2
+    printed = capsys.readouterr()
+    assert complaint in printed.err and printed.err.count("\n") == 1 and not printed.out
