@@ -5,7 +5,8 @@ link that is no foot falls as soon as it touches the ground or an obstacle, howe
 also asks that the link be less than 0.15 m above the ground: its simulator tells the force on a link, but not what it
 touched, and the height keeps out links that touch each other. Here the sensors know. With the height a character
 could lean on a block with its hand, or on a step with its shin, whose link begins at the knee. Little else would
-change: in TOUCHES of the base's falls no link was that low.
+change: in 3 of 103 falls of the base on rocky ground, 12 of 116 on rugged ground and none of 15 on hills, no link was
+that low.
 """
 
 import numpy as np

@@ -16,8 +16,9 @@ from sb3_adaptnet.weights.atomic_file import write_atomically
 
 _MOST = 60.0
 """Falls per minute of the darkest cell."""
-_WIDTH, _HEIGHT, _LEFT, _ABOVE = 0.82, 0.62, 1.9, 1.3
-"""Size of a cell, and the room for names at its left and for titles above and below a block [inches]."""
+_WIDTH, _HEIGHT, _LEFT, _ABOVE, _LEGEND = 0.82, 0.62, 1.9, 0.8, 0.4
+"""Size of a cell, and the room for names at its left, for titles above and below a block, and for the legend [inches].
+"""
 _GAP = 0.4
 """Room between the cells of two pairs, in cells."""
 _DARK = 12.0
@@ -35,18 +36,19 @@ def write_heat_map(pairs: Sequence[Sequence[Cell]], path: str | Path) -> None:
     for cells in pairs:
         blocks.setdefault(cells[0].kinds.split(" + ")[0], []).append(cells)
     sides = [(len({c[0].first for c in block}), len({c[0].second for c in block})) for block in blocks.values()]
-    width = _LEFT + _WIDTH * max((len(ACTING) + _GAP) * columns for _, columns in sides)
+    width = _LEFT + _WIDTH * max((len(ACTING) + _GAP) * columns for _, columns in sides)  # the last gap is a margin
     heights = [_ABOVE + _HEIGHT * rows for rows, _ in sides]
-    figure = Figure(figsize=(width, sum(heights)), dpi=110, facecolor=css(PAPER))
+    whole = sum(heights) + _LEGEND
+    figure = Figure(figsize=(width, whole), dpi=110, facecolor=css(PAPER))
     canvas = FigureCanvasAgg(figure)
-    below = sum(heights)
+    below = whole
     for (rows, columns), block, height in zip(sides, blocks.values(), heights, strict=True):
         below -= height
-        across = _WIDTH * (len(ACTING) + _GAP) * columns
-        place = (_LEFT / width, (below + 0.45) / sum(heights), across / width, _HEIGHT * rows / sum(heights))
+        across = _WIDTH * ((len(ACTING) + _GAP) * columns - _GAP)
+        place = (_LEFT / width, (below + 0.35) / whole, across / width, _HEIGHT * rows / whole)
         _draw_block(figure.add_axes(place), block)
-    words = "colour and first line: falls per minute; second line: goal reward; third: error to the style's clip [cm], "
-    figure.text(0.1 / width, 0.12 / sum(heights), f"{words}v where the style is visible; framed: adds up", fontsize=8)
+    words = "colour, first line: falls per minute; second: goal reward;\nthird: error to the style's clip [cm], "
+    figure.text(0.1 / width, 0.1 / whole, f"{words}v: the style is visible; framed: adds up", fontsize=8)
     write_atomically(Path(path), canvas.print_png)
 
 

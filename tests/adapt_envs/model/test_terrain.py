@@ -265,6 +265,16 @@ def test_a_piece_for_pictures_has_the_same_heights():
     assert edge.surface.heights.shape == (81, 81)
 
 
+def test_a_finer_terrain_keeps_its_grid_in_the_atlas_and_in_pieces_of_it():
+    ground = make_ground(TERRAINS["rugged"], None, 0)
+    assert ground.surface.grid == pytest.approx(0.05) and ground.surface.heights.shape == (2561, 2561)
+    middle = np.array([-7.3, 11.8])
+    piece = ground.for_pictures(middle, side=8.0)
+    xy = middle + np.random.default_rng(0).uniform(-3.9, 3.9, (500, 2))
+    assert piece.surface.heights.shape == (161, 161)
+    assert np.allclose(piece.height_at(xy), ground.height_at(xy), atol=1e-5)
+
+
 def test_flat_ground_is_seen_as_zero():
     env = make_vector(env_id("Walk"), 3, heightmap=True)
     observation, _ = env.reset(seed=0)

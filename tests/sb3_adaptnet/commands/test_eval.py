@@ -8,7 +8,14 @@ import pytest
 from evaluation_cases import STOOP, figures_with, save_tiny_adaptation, save_tiny_base
 
 from sb3_adaptnet.commands.main import main
-from sb3_adaptnet.commands.policy_options import add_options, open_from_options, open_policy, shared_out, styles_of
+from sb3_adaptnet.commands.policy_options import (
+    add_options,
+    open_from_options,
+    open_policy,
+    open_worlds_for,
+    shared_out,
+    styles_of,
+)
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import paragraph, table, text_table, write_page
 
@@ -84,6 +91,9 @@ def test_a_picture_of_an_adaptation_and_its_base(tiny):
         (["BASE", "--before-after", "pair.png"], "--before-after needs an adaptation"),
         (["BASE", "--video", "no/such/folder/film.mp4"], "does not exist"),
         (["BASE", "--seconds", "0.01"], "one step of 20 worlds"),
+        (["BASE", "--clip", "Stoop", "--motion", "Limp"], "--clip Stoop and --motion Limp both name a reference"),
+        (["BASE", "--clip", "Stupor"], "Stupor"),
+        (["BASE", "--clip", "Stoop", "--write-card"], "leave out --alpha, --styles, --push-scale and --clip"),
     ],
 )
 def test_bad_input_is_one_sentence(tiny, capsys, words, complaint):
@@ -96,6 +106,14 @@ def test_bad_input_is_one_sentence(tiny, capsys, words, complaint):
 def test_unreadable_numbers_are_refused(tiny, words):
     with pytest.raises(SystemExit, match="2"):
         main(["eval", str(tiny[0]), *words])
+
+
+def test_a_clip_brings_its_motion_and_its_speeds_to_any_ground(tiny):
+    ice = "AdaptNet/Humanoid-IceWalk-v0"
+    spec = open_worlds_for(str(tiny[0]), ice, num_worlds=1, threads=1, clip="Penguin").worlds.spec
+    assert (spec.friction, spec.motion, spec.speed_range) == (0.15, "Penguin", (0.51, 0.765))
+    plain = open_worlds_for(str(tiny[0]), ice, "Penguin", 1, 1).worlds.spec
+    assert (plain.motion, plain.speed_range) == ("Penguin", (1.0, 1.5))
 
 
 def test_styles_of_a_base_are_blended_alone_and_share_what_is_left(tiny):

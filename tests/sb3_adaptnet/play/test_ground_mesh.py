@@ -37,6 +37,13 @@ def test_vertices_lie_on_the_ground_and_so_do_the_triangles_between_them(ground,
     assert height_on(mesh, points) == pytest.approx(ground.height_at(points), abs=1e-4)
 
 
+def test_a_tile_of_finer_ground_has_its_steps():
+    rugged = make_ground(TERRAINS["rugged"], None, seed=2)
+    vertices = tile(rugged, (0, 0)).mesh.vertices.reshape(161, 161, 3)
+    assert vertices[..., 2] == pytest.approx(rugged.height_at(vertices[..., :2]), abs=1e-5)
+    assert np.abs(np.diff(vertices[..., 2])).max() > 0.08
+
+
 def test_neighbouring_tiles_join(ground):
     left, right = (tile(ground, key).mesh.vertices.reshape(81, 81, 3) for key in ((0, 0), (1, 0)))
     assert left[:, -1] == pytest.approx(right[:, 0], abs=1e-5)
