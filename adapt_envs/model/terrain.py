@@ -99,7 +99,7 @@ def uniform_noise(
         offsets = rng.uniform(-_NOISE, _NOISE, (nodes, nodes))
     else:
         most = round(_NOISE / step)
-        offsets = step * rng.integers(-most, most, (nodes, nodes), endpoint=True)
+        offsets = np.asarray(step * rng.integers(-most, most, (nodes, nodes), endpoint=True), np.float64)
     # Exact: OpenCV's weights are multiples of 1/32, and so are quarters of a cell.
     to_nodes = np.diag([GRID / apart, GRID / apart, 0])[:2]
     return np.asarray(cv2.warpAffine(offsets, to_nodes, (size, size), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP))
