@@ -95,11 +95,15 @@ def atlas(terrain: Terrain, patches: Patches, rng: np.random.Generator) -> Surfa
     """Patches of a terrain, side by side on one surface; they pass into each other, and into a flat apron, at height 0.
 
     Raises:
-        ValueError: if the terrain's function returns something else than finite heights (size, size), or on a finer
-            grid.
+        ValueError: if the terrain's function returns something else than finite heights (size, size) or on a finer
+            grid, or now one grid and now another.
     """
     side = range(patches.per_side)
-    heights = np.block([[_patch(terrain, rng) for _ in side] for _ in side])
+    rows = [[_patch(terrain, rng) for _ in side] for _ in side]
+    sizes = sorted({len(patch) for row in rows for patch in row})
+    if len(sizes) > 1:
+        raise ValueError(f"the terrain's function returned patches {sizes} heights wide, expected one grid for all")
+    heights = np.block(rows)
     fine = round(len(heights) * GRID / (2 * patches.half))
     heights = np.pad(heights, (_APRON * fine, _APRON * fine + 1))
     edge = -patches.half - _APRON * GRID

@@ -250,6 +250,9 @@ def test_a_wrong_terrain_is_named():
         AdaptEnv("Walk", terrain="moon")
     with pytest.raises(ValueError, match=r"\(3, 3\).*\(241, 241\)"):
         AdaptEnv("Walk", terrain=lambda rng, size: np.zeros((3, 3)))
+    sides = (241, 481)
+    with pytest.raises(ValueError, match="one grid for all"):
+        AdaptEnv("Walk", terrain=lambda rng, size: np.zeros((sides[rng.integers(2)],) * 2))
     with pytest.raises(ValueError, match="finite"):
         AdaptEnv("Walk", terrain=lambda rng, size: np.full((size, size), np.nan))
 
@@ -272,7 +275,7 @@ def test_a_finer_terrain_keeps_its_grid_in_the_atlas_and_in_pieces_of_it():
     piece = ground.for_pictures(middle, side=8.0)
     xy = middle + np.random.default_rng(0).uniform(-3.9, 3.9, (500, 2))
     assert piece.surface.heights.shape == (161, 161)
-    assert np.allclose(piece.height_at(xy), ground.height_at(xy), atol=1e-5)
+    assert np.allclose(piece.height_at(xy), ground.height_at(xy), atol=2e-4)  # float32 on walls
 
 
 def test_flat_ground_is_seen_as_zero():
