@@ -71,6 +71,8 @@ def add_stack_parser(subparsers: Any) -> None:
     parser.add_argument("--seconds", type=seconds_of, default=STACK_SECONDS, help=words)
     parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
     parser.add_argument("--threads", type=int, help="threads of networks and physics; default: all cores")
+    words = "random goals at the base's speeds, which grounds were trained at; default: at the style's"
+    parser.add_argument("--base-speeds", action="store_true", help=words)
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help="write every cell, after each pair")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.png", help="draw one heat map")
     parser.set_defaults(run=run_stack)
@@ -87,8 +89,9 @@ def run_stack(options: argparse.Namespace) -> int:
             check_output(path, suffix)
     if options.threads is not None:
         torch.set_num_threads(options.threads)
-    pairs, found = pairs_of(options.adaptations), []
-    for cells in measure_pairs(pairs, options.seconds, options.seed, options.threads, ProgressBar("walking")):
+    pairs, found, bar = pairs_of(options.adaptations), [], ProgressBar("walking")
+    asked = (options.seconds, options.seed, options.threads, bar, options.base_speeds)
+    for cells in measure_pairs(pairs, *asked):
         found.append(cells)
         if options.csv is not None:
             write_csv(found, options.csv)

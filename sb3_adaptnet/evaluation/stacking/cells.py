@@ -1,14 +1,15 @@
 """Measuring a pair of adaptations in the world of both: the base, either alone, and their sum."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from adapt_envs import AdaptVectorEnv, TaskSpec
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.progress import Progress
 from sb3_adaptnet.evaluation.alpha import record_base
+from sb3_adaptnet.evaluation.gait import clip_gait
 from sb3_adaptnet.evaluation.imitation_error import BOUNDED, imitation_error
-from sb3_adaptnet.evaluation.recording import WORLDS, record, record_straight, reference_speed
+from sb3_adaptnet.evaluation.recording import WORLDS, record, record_straight
 from sb3_adaptnet.evaluation.stacking.parts import Pair, Part
 from sb3_adaptnet.evaluation.style import rounded, style_figures
 from sb3_adaptnet.policies.adaptnet import TRAINED, AdaptNetPolicy
@@ -29,7 +30,8 @@ class Cell:
         second: name of the second.
         kinds: what the two are, such as "style + ground".
         acting: base, first, second or both: who was measured.
-        goal_reward: mean goal reward of a step, random goals at the speeds of the pair's world.
+        speeds: preferred speeds of the random goals [m/s], such as "0.51-0.765".
+        goal_reward: mean goal reward of a step, random goals.
         falls_per_minute: episodes that ended by a fall, by getting lost or by diverging, per simulated minute.
         tempo_error_m: distance to the style's clip [m] straight ahead (see `StyleFigures`); None also where no world
             stayed up for 3 s.
@@ -43,6 +45,7 @@ class Cell:
     second: str
     kinds: str
     acting: str
+    speeds: str
     goal_reward: float
     falls_per_minute: float
     tempo_error_m: float | None
@@ -58,8 +61,9 @@ class Cell:
 
 
 def measure_pairs(
-    pairs: Iterable[Pair], seconds: float, seed: int, threads: int | None = None, progress: Progress = iter
-) -> Iterator[list[Cell]]:
+    pairs: Iterable[Pair], seconds: float, seed: int, threads: int | None = None, progress: Progress = iter,
+    base_speeds: bool = False,
+) -> Iterator[list[Cell]]:  # fmt: skip
     """The four cells of each pair, as soon as they are measured.
 
     Args:
@@ -68,6 +72,8 @@ def measure_pairs(
         seed: of start states and goals.
         threads: threads of the physics; None for one per core.
         progress: wraps the step numbers of each rollout.
+        base_speeds: whether random goals have the base's speeds, which grounds, bodies and pushes were trained at, and
+            not the style's. Straight ahead the speed is the clip's in any case.
 
     Raises:
         ValueError: if `seconds` is less than one step of all worlds, or an adaptation is not made of adaptors.
@@ -80,12 +86,17 @@ def measure_pairs(
         style = pair.first if pair.first.kind == "style" else None
         if style is not None and style.name not in errors:
             errors[style.name] = _base_error(style, seed, threads, progress)
-        yield _cells(pair, steps, seed, threads, progress, None if style is None else errors[style.name])
+        env = open_row(_with_base_speeds(pair) if base_speeds else pair.world, threads)
+        yield _cells(pair, env, steps, seed, progress, None if style is None else errors[style.name])
 
 
 def open_row(row: TaskSpec, threads: int | None) -> AdaptVectorEnv:
     """Worlds of a row of the suite without a time limit."""
     return AdaptVectorEnv(row, WORLDS, num_threads=threads, max_episode_steps=None)
+
+
+def _with_base_speeds(pair: Pair) -> TaskSpec:
+    return replace(pair.world, speed_range=pair.first.row.speed_range)
 
 
 def _opened(part: Part, env: AdaptVectorEnv) -> AdaptNetPolicy:
@@ -103,9 +114,8 @@ def _base_error(style: Part, seed: int, threads: int | None, progress: Progress)
 
 
 def _cells(
-    pair: Pair, steps: int, seed: int, threads: int | None, progress: Progress, base_error: float | None
+    pair: Pair, env: AdaptVectorEnv, steps: int, seed: int, progress: Progress, base_error: float | None
 ) -> list[Cell]:
-    env = open_row(pair.world, threads)
     policy = _opened(pair.first, env)
     second = policy.add_adaptation(pair.second.file)
     weights: Sequence[dict[str, float]] = ({}, {TRAINED: 1.0}, {second: 1.0}, {TRAINED: 1.0, second: 1.0})
@@ -120,16 +130,19 @@ def _cell(
     pair: Pair, acting: str, policy: AdaptNetPolicy, env: AdaptVectorEnv, steps: int, seed: int, progress: Progress,
     base_error: float | None,
 ) -> Cell:  # fmt: skip
-    free, error, visible, failed = record(policy, env, steps, seed, progress), None, None, ()
+    free, error, visible = record(policy, env, steps, seed, progress), None, None
+    failed: tuple[str, ...] = ()
     if pair.first.kind == "style":
-        straight = record_straight(policy, env, reference_speed(env), seed, progress=progress)
-        style = style_figures(env, straight, base_error)
+        clip = env.worlds.reference.clips[0]
+        straight = record_straight(policy, env, clip.mean_speed, seed, progress=progress)
+        style = style_figures(env, straight, base_error, clip_gait(clip, clip.mean_speed))
         error, visible, failed = style.tempo_error_m, style.visible, style.failed_tests
     return Cell(
         first=pair.first.name,
         second=pair.second.name,
         kinds=" + ".join(pair.kinds),
         acting=acting,
+        speeds="{:g}-{:g}".format(*(env.worlds.spec.speed_range or (0, 0))),
         goal_reward=rounded(free.rewards.mean()),
         falls_per_minute=rounded(60 * free.restarts.sum() / free.seconds),
         tempo_error_m=error,

@@ -21,7 +21,7 @@ _WIDTH, _HEIGHT, _LEFT, _ABOVE, _LEGEND = 0.82, 0.62, 1.9, 0.8, 0.4
 """
 _GAP = 0.4
 """Room between the cells of two pairs, in cells."""
-_DARK = 12.0
+_DARK = 20.0
 """Falls per minute from which a cell's text is light."""
 
 

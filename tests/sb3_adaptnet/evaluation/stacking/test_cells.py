@@ -10,7 +10,7 @@ from evaluation_cases import save_tiny_adaptation, save_tiny_base
 from adapt_envs import env_id
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.evaluation.recording import record_straight
-from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, write_heat_map
+from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, pairs_of, write_heat_map
 from sb3_adaptnet.weights.card import amend_card
 
 
@@ -28,7 +28,7 @@ def tiny(tmp_path_factory):
 
 def cell(acting="both", falls=0.2, visible=True, first="walk-a", kinds="style + ground"):
     error = None if visible is None else 0.03
-    return Cell(first, "walk-b", kinds, acting, 0.5, falls, error, visible, (), 200.0, 0)
+    return Cell(first, "walk-b", kinds, acting, "0.5-0.8", 0.5, falls, error, visible, (), 200.0, 0)
 
 
 def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, tmp_path, capsys, monkeypatch):
@@ -49,8 +49,17 @@ def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, 
     for start in (0, 4, 8):
         goals = [row["goal_reward"] for row in rows[start : start + 4]]
         assert len(set(goals)) == 4, "base, either and the sum act differently"
+    assert [row["speeds"] for row in rows[::4]] == ["0.743-1.11", "0.743-1.11", "1-1.5"]
     assert rows[0]["visible"] == "False" and rows[8]["visible"] == ""
     assert cv2.imread(str(picture)).shape[2] == 3
+
+
+def test_goals_may_have_the_bases_speeds(tiny, monkeypatch):
+    monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
+    monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
+    pairs = pairs_of([tiny["Stoop"], tiny["IceWalk"]])
+    (found,) = cells.measure_pairs(pairs, 1.0, 0, threads=1, base_speeds=True)
+    assert [cell.speeds for cell in found] == ["1-1.5"] * 4
 
 
 def test_a_sum_adds_up_if_it_seldom_falls_and_its_style_is_visible():
