@@ -49,7 +49,7 @@ def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, 
     for start in (0, 4, 8):
         goals = [row["goal_reward"] for row in rows[start : start + 4]]
         assert len(set(goals)) == 4, "base, either and the sum act differently"
-    assert [row["speeds"] for row in rows[::4]] == ["0.743-1.11", "0.743-1.11", "1-1.5"]
+    assert [row["speeds"] for row in rows[::4]] == ["0.743-1.114", "0.743-1.114", "1-1.5"]
     assert rows[0]["visible"] == "False" and rows[8]["visible"] == ""
     assert cv2.imread(str(picture)).shape[2] == 3
 
