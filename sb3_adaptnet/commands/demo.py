@@ -176,7 +176,7 @@ def draw_sheets(found: Mapping[str, Evaluation], reference: MotionClip, output: 
     clips = {f"the motion {reference.name}": reference}
     for caption, evaluation in found.items():
         if _filmable(evaluation):
-            clips[caption] = typical_clip(evaluation.straight, reference, caption)
+            clips[caption] = typical_clip(evaluation.straight, reference, reference.joint_names, caption)
     files = {}
     for number, (caption, clip) in enumerate(ProgressBar("sheets")(clips.items())):
         files[caption] = f"sheet_{number}.png"
