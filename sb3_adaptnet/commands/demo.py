@@ -25,8 +25,9 @@ from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import Evaluation, Figures, evaluate
 from sb3_adaptnet.evaluation.pictures import side_by_side
 from sb3_adaptnet.evaluation.recording import open_worlds
-from sb3_adaptnet.evaluation.report import listing, paragraph, picture, table, text_table, video, write_page
+from sb3_adaptnet.evaluation.report import link, listing, paragraph, picture, table, text_table, video, write_page
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.play.playground import ADDRESS, serving_command
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import start
@@ -193,8 +194,7 @@ def film(found: Mapping[str, Evaluation], reference: MotionClip, output: Path, s
     }
     if not clips:
         return None
-    frames = side_by_side(clips)
-    write_video(ProgressBar("filming")(frames), output / "side_by_side.mp4")
+    write_video(ProgressBar("filming")(side_by_side(clips)), output / "side_by_side.mp4")
     return "side_by_side.mp4"
 
 
@@ -203,13 +203,9 @@ def _filmable(evaluation: Evaluation) -> bool:
 
 
 def _sections(
-    options: argparse.Namespace,
-    samples: int,
-    asked: int,
-    figures: Mapping[str, Figures],
-    sheets: Mapping[str, str],
+    options: argparse.Namespace, samples: int, asked: int, figures: Mapping[str, Figures], sheets: Mapping[str, str],
     filmed: str | None,
-) -> list[tuple[str, list[str]]]:
+) -> list[tuple[str, list[str]]]:  # fmt: skip
     style = options.style
     words = (
         f"The base {Path(options.base).stem!r} walks to targets. It was frozen, and a small part beside it learned from"
@@ -224,7 +220,16 @@ def _sections(
         sections.append(("Side by side, straight ahead", [video(filmed)]))
     sections.append(("Learning curve", [picture("curve.png", "learning curve")]))
     sections.append(("Contact sheets", [picture(file, caption) for caption, file in sheets.items()]))
-    return [*sections, ("Go on", [listing(again + "adaptnet adapt --motion YOUR.bvh -o yours.safetensors")])]
+    go_on = listing(again + "adaptnet adapt --motion YOUR.bvh -o yours.safetensors")
+    return [*sections, ("Go on", [go_on, *playground()])]
+
+
+def playground() -> list[str]:
+    """Parts of a page: how to serve the playground and a link to it, or how to build it."""
+    command, what = serving_command(), "The playground, a page in which the walk is steered, pushed and blended"
+    if command is None:
+        return [paragraph(f"{what}, is not built here; in a checkout, 'make web' builds it.")]
+    return [paragraph(f"{what}: serve it, then follow the link."), listing(command), link(ADDRESS, ADDRESS)]
 
 
 def show_motions(output: Path, style: str, seconds: float) -> Path:
@@ -240,5 +245,6 @@ def show_motions(output: Path, style: str, seconds: float) -> Path:
     write_video(ProgressBar("filming")(video_frames(clip, min_seconds=seconds)), output / "style.mp4")
     page = output / PAGE
     words = "No pretrained walk is there yet; these are the reference motions that policies learn from."
-    write_page(page, f"The walk and {style}", [("", [paragraph(words), *blocks, video("style.mp4")])])
+    blocks = [paragraph(words), *blocks, video("style.mp4"), *playground()]
+    write_page(page, f"The walk and {style}", [("", blocks)])
     return page
