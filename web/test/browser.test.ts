@@ -71,7 +71,7 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     const { frames, seconds } = await page.evaluate(async () => {
       const [first, start] = [playground.frames, performance.now()];
       const passed = () => ({ frames: playground.frames - first, seconds: (performance.now() - start) / 1000 });
-      while (passed().seconds < 4 || (passed().frames < 4 && passed().seconds < 40)) {
+      while (passed().seconds < 4 || (passed().frames < 4 && passed().seconds < 20)) {
         await new Promise((done) => setTimeout(done, 100));
       }
       return passed();
