@@ -102,7 +102,7 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     """Adapt the base for the budget; None if a person interrupted it.
 
     Raises:
-        ValueError: if the output holds a folder `training` that is no training run.
+        ValueError: if the output holds a folder `training` that is no training run, or the time was too short.
     """
     path = options.output / "training"
     if (path / "run.json").is_file():
@@ -114,8 +114,9 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     print(f"1/3 adapting {Path(options.base).stem} to {options.style}: {words}")
     limit = TimeLimit(options.minutes)
     folder = start(settings, path, callbacks=[limit])
-    finished = limit.over or folder.load()["samples"] >= settings.samples
-    return folder if finished else None
+    if limit.over and not folder.curve.exists():
+        raise ValueError(f"{options.minutes:g} minutes are too few, not one rollout was finished: give more --minutes")
+    return folder if limit.over or folder.load()["samples"] >= settings.samples else None
 
 
 def settings_of(options: argparse.Namespace) -> RunSettings:
@@ -206,15 +207,14 @@ def _sections(
     options: argparse.Namespace, samples: int, asked: int, figures: Mapping[str, Figures], sheets: Mapping[str, str],
     filmed: str | None,
 ) -> list[tuple[str, list[str]]]:  # fmt: skip
-    style = options.style
     words = (
         f"The base {Path(options.base).stem!r} walks to targets. It was frozen, and a small part beside it learned from"
-        f" {samples:,} samples to walk in the style {style}: injected into its latent state, added to its layers, and"
-        " zero at the start."
+        f" {samples:,} samples to walk in the style {options.style}: injected into its latent state, added to its"
+        " layers, and zero at the start."
     )
     if samples < asked:
         words += f" The whole training takes {asked:,}."
-    again = f"adaptnet play {options.output / 'own.safetensors'}\nadaptnet train {env_id(style)}\n"
+    again = f"adaptnet play {options.output / 'own.safetensors'}\nadaptnet train {env_id(options.style)}\n"
     sections = [("", [paragraph(words)]), ("Figures", [table(figures)])]
     if filmed is not None:
         sections.append(("Side by side, straight ahead", [video(filmed)]))

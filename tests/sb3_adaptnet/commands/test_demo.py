@@ -40,6 +40,12 @@ def test_adapts_measures_draws_and_says_where(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out) == figures["own, 0 k samples"]
 
 
+def test_time_too_short_for_one_rollout_is_one_sentence(tmp_path, capsys):
+    base, output = save_tiny_base(tmp_path), tmp_path / "demo"
+    assert main(["demo", "--base", str(base), "--n-envs", "8", "--minutes", "0", "-o", str(output)]) == 2
+    assert "0 minutes are too few" in capsys.readouterr().err and not (output / "index.html").exists()
+
+
 def test_without_a_walk_the_motions_are_shown(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(demo, "pretrained_names", lambda: [])
     assert main(["demo", "--style", "Penguin", "--film", "0.1", "-o", str(tmp_path)]) == 0
