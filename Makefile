@@ -4,7 +4,7 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test check lint format types docs web web-test clean
+.PHONY: demo test check lint format types docs pages web web-test clean
 
 demo: $(STAMP)
 	$(VENV)/bin/adaptnet demo
@@ -29,6 +29,11 @@ types: $(STAMP)
 docs: $(STAMP)
 	$(RUN) -m pip install --quiet -c constraints.txt -e ".[docs]"
 	$(VENV)/bin/mkdocs build --strict
+
+# What GitHub Pages shows: the site of `make docs` with the playground in its folder playground.
+pages: docs web
+	rm -rf site/playground
+	cp -R web/dist site/playground
 
 # The playground in the browser: a static site in web/dist.
 web: $(STAMP)

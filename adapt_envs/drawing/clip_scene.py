@@ -1,4 +1,6 @@
-"""The plain character as motion clips move it."""
+"""A character as motion clips move it."""
+
+import mujoco
 
 from adapt_envs.drawing.scene import Scene
 from adapt_envs.model.build import compile_model
@@ -8,14 +10,20 @@ LOOK_HEIGHT = 0.90
 """Height [m] above the ground at which cameras aim: the middle of the standing character."""
 
 
-def clip_scene(clip: MotionClip, width: int, height: int) -> Scene:
+def clip_scene(clip: MotionClip, width: int, height: int, model: mujoco.MjModel | None = None) -> Scene:
     """A scene, pictures `width` x `height` pixels, that draws the configurations of `clip`.
+
+    Args:
+        clip: any clip.
+        width: pictures' width in pixels.
+        height: pictures' height in pixels.
+        model: the character that the clip is of, on flat ground; the plain one if None.
 
     Raises:
         MotionError: if the clip is for a character with other joints.
         RenderingError: if this machine cannot draw.
     """
-    model = compile_model()
+    model = compile_model() if model is None else model
     names = tuple(model.actuator(i).name for i in range(model.nu))
     if clip.joint_names != names:
         odd = sorted(set(names) ^ set(clip.joint_names)) or ["their order"]

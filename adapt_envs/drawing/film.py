@@ -1,4 +1,4 @@
-"""Films of motion clips, and how pictures become a video file."""
+"""Films of motion clips and of rollouts, and how pictures become a video file."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import closing
@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from adapt_envs.drawing.clip_scene import LOOK_HEIGHT, clip_scene
 from adapt_envs.drawing.picture import Image
 from adapt_envs.drawing.scene import QUARTER
+from adapt_envs.drawing.world_view import HIGH, SceneRenderer
 from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.simulation.worlds import Worlds
 
 VIDEO_SIZE = (720, 720)
 """Width and height [pixels] of a film."""
@@ -47,10 +49,29 @@ def video_frames(clip: MotionClip, size: tuple[int, int] = VIDEO_SIZE, min_secon
     if clip.cyclic:
         count = clip.period * max(1, int(np.ceil(min_seconds * FPS / clip.period)))
     configurations = clip.at(np.arange(count))
-    lookats = _followed(configurations[:, :2])
+    lookats = _followed(configurations[:, :3] * (1, 1, 0))
     with clip_scene(clip, *size) as scene:
         for qpos, lookat in zip(configurations, lookats, strict=True):
             yield scene.picture(qpos, QUARTER, lookat)
+
+
+def rollout_frames(worlds: Worlds, qpos: NDArray[np.float64], size: tuple[int, int] = VIDEO_SIZE) -> Iterator[Image]:
+    """Pictures at 30 Hz of the worlds' own character on their own ground, the camera following.
+
+    Args:
+        worlds: whose body, locks and ground are drawn; their state does not matter and stays.
+        qpos: (T, nq) configurations, world frame, one every 1/30 s.
+        size: width and height [pixels]; video codecs like multiples of 16.
+
+    Raises:
+        RenderingError: if this machine cannot draw.
+    """
+    roots = qpos[:, :2]
+    lookats = _followed(np.column_stack([roots, worlds.ground.floor_at(roots)]))
+    camera = QUARTER if worlds.ground.obstacles is None else HIGH
+    with closing(SceneRenderer(worlds, size)) as renderer:
+        for configuration, lookat in zip(qpos, lookats, strict=True):
+            yield renderer.picture_at(configuration, camera, lookat)
 
 
 def write_video(frames: Iterable[Image], path: str | Path) -> None:
@@ -81,7 +102,7 @@ def write_video(frames: Iterable[Image], path: str | Path) -> None:
 
 
 def _followed(points: NDArray[np.floating], seconds: float = 0.5) -> NDArray[np.float64]:
-    """Aim (T, 3) of a camera that follows ground points (T, 2) smoothly."""
+    """Aim (T, 3) of a camera that follows points of the ground (T, 3) smoothly."""
     width = 2 * int(seconds * FPS) + 1
     kernel = np.hanning(width + 2)[1:-1]
     half = width // 2
@@ -90,5 +111,5 @@ def _followed(points: NDArray[np.floating], seconds: float = 0.5) -> NDArray[np.
     before = points[0] + steps[:1] * np.arange(-half, 0)[:, None]
     after = points[-1] + steps[-1:] * np.arange(1, half + 1)[:, None]
     edges = np.concatenate([before, points, after])
-    smooth = np.stack([np.convolve(edges[:, i], kernel / kernel.sum(), mode="valid") for i in (0, 1)], axis=1)
-    return np.concatenate([smooth, np.full((len(points), 1), LOOK_HEIGHT)], axis=1)
+    smooth = np.stack([np.convolve(edges[:, i], kernel / kernel.sum(), mode="valid") for i in range(3)], axis=1)
+    return smooth + (0, 0, LOOK_HEIGHT)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from adapt_envs.drawing.clip_scene import LOOK_HEIGHT, clip_scene
@@ -28,14 +29,15 @@ _STRETCH = 1.2
 """Length [s] of that stretch: about one cycle of walking."""
 
 
-def contact_sheet(clip: MotionClip, poses: int = POSES) -> Image:
+def contact_sheet(clip: MotionClip, poses: int = POSES, model: mujoco.MjModel | None = None) -> Image:
     """Draw a clip: a row from the side above a row from the front, `poses` moments evenly in time.
 
     A cyclic or short clip is drawn from end to end; of a long one its most typical 1.2 s, with the path it takes.
 
     Args:
-        clip: a clip of the plain character.
+        clip: any clip.
         poses: moments to draw.
+        model: the character that the clip is of, on flat ground; the plain one if None.
 
     Returns:
         The picture (height, width, 3).
@@ -48,7 +50,7 @@ def contact_sheet(clip: MotionClip, poses: int = POSES) -> Image:
     count = last - first + (0 if clip.cyclic else 1)
     frames = first + np.unique(np.round(np.linspace(0, count, poses, endpoint=not clip.cyclic)).astype(int))
     frames = np.minimum(frames, last)
-    with clip_scene(clip, *_TILE) as scene:
+    with clip_scene(clip, *_TILE, model) as scene:
         rows = [[_tile(scene, clip, int(frame), camera) for frame in frames] for camera in (SIDE, FRONT)]
     captions = [text_band(f"{frame / FPS:.2f} s", _TILE[0], _CAPTION, _NOTE_SIZE, SOFT) for frame in frames]
     pictures = tiled(rows, poses, _GAP)
@@ -59,9 +61,9 @@ def contact_sheet(clip: MotionClip, poses: int = POSES) -> Image:
     return np.concatenate(parts, axis=0)
 
 
-def write_sheet(clip: MotionClip, path: str | Path) -> None:
+def write_sheet(clip: MotionClip, path: str | Path, model: mujoco.MjModel | None = None) -> None:
     """Write the clip's contact sheet as a PNG (see `contact_sheet`)."""
-    write_png(contact_sheet(clip), path)
+    write_png(contact_sheet(clip, model=model), path)
 
 
 def typical_stretch(clip: MotionClip) -> tuple[int, int]:

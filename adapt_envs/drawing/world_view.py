@@ -122,6 +122,19 @@ class SceneRenderer:
         lookat = _look_at(worlds, world)
         return scene.picture_of(data, camera, lookat, lambda drawn: _decorate(drawn, data, worlds, world))
 
+    def picture_at(self, qpos: Array, camera: Camera, lookat: Array) -> Image:
+        """The character in a configuration (nq,) on the worlds' ground, without a goal, (height, width, 3).
+
+        Args:
+            qpos: (nq,) configuration, world frame.
+            camera: how it is seen.
+            lookat: (3,) where the camera looks [m], world frame.
+
+        Raises:
+            RenderingError: if this machine cannot draw.
+        """
+        return self._scene_around(qpos[:2]).picture(qpos, camera, lookat)
+
     def _scene_around(self, xy: Array) -> Scene:
         """The scene; of uneven ground only the piece around `xy` (2,) [m] is in it."""
         uneven = self._worlds.ground.surface is not None

@@ -25,8 +25,9 @@ from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import Evaluation, Figures, evaluate
 from sb3_adaptnet.evaluation.pictures import side_by_side
 from sb3_adaptnet.evaluation.recording import open_worlds
-from sb3_adaptnet.evaluation.report import listing, paragraph, picture, table, text_table, video, write_page
+from sb3_adaptnet.evaluation.report import link, listing, paragraph, picture, table, text_table, video, write_page
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
+from sb3_adaptnet.play.playground import ADDRESS, serving_command
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import start
@@ -101,7 +102,7 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     """Adapt the base for the budget; None if a person interrupted it.
 
     Raises:
-        ValueError: if the output holds a folder `training` that is no training run.
+        ValueError: if the output holds a folder `training` that is no training run, or the time was too short.
     """
     path = options.output / "training"
     if (path / "run.json").is_file():
@@ -113,8 +114,9 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     print(f"1/3 adapting {Path(options.base).stem} to {options.style}: {words}")
     limit = TimeLimit(options.minutes)
     folder = start(settings, path, callbacks=[limit])
-    finished = limit.over or folder.load()["samples"] >= settings.samples
-    return folder if finished else None
+    if limit.over and not folder.curve.exists():
+        raise ValueError(f"{options.minutes:g} minutes are too few, not one rollout was finished: give more --minutes")
+    return folder if limit.over or folder.load()["samples"] >= settings.samples else None
 
 
 def settings_of(options: argparse.Namespace) -> RunSettings:
@@ -176,7 +178,7 @@ def draw_sheets(found: Mapping[str, Evaluation], reference: MotionClip, output: 
     clips = {f"the motion {reference.name}": reference}
     for caption, evaluation in found.items():
         if _filmable(evaluation):
-            clips[caption] = typical_clip(evaluation.straight, reference, caption)
+            clips[caption] = typical_clip(evaluation.straight, reference, reference.joint_names, caption)
     files = {}
     for number, (caption, clip) in enumerate(ProgressBar("sheets")(clips.items())):
         files[caption] = f"sheet_{number}.png"
@@ -193,8 +195,7 @@ def film(found: Mapping[str, Evaluation], reference: MotionClip, output: Path, s
     }
     if not clips:
         return None
-    frames = side_by_side(clips)
-    write_video(ProgressBar("filming")(frames), output / "side_by_side.mp4")
+    write_video(ProgressBar("filming")(side_by_side(clips)), output / "side_by_side.mp4")
     return "side_by_side.mp4"
 
 
@@ -203,28 +204,32 @@ def _filmable(evaluation: Evaluation) -> bool:
 
 
 def _sections(
-    options: argparse.Namespace,
-    samples: int,
-    asked: int,
-    figures: Mapping[str, Figures],
-    sheets: Mapping[str, str],
+    options: argparse.Namespace, samples: int, asked: int, figures: Mapping[str, Figures], sheets: Mapping[str, str],
     filmed: str | None,
-) -> list[tuple[str, list[str]]]:
-    style = options.style
+) -> list[tuple[str, list[str]]]:  # fmt: skip
     words = (
         f"The base {Path(options.base).stem!r} walks to targets. It was frozen, and a small part beside it learned from"
-        f" {samples:,} samples to walk in the style {style}: injected into its latent state, added to its layers, and"
-        " zero at the start."
+        f" {samples:,} samples to walk in the style {options.style}: injected into its latent state, added to its"
+        " layers, and zero at the start."
     )
     if samples < asked:
         words += f" The whole training takes {asked:,}."
-    again = f"adaptnet play {options.output / 'own.safetensors'}\nadaptnet train {env_id(style)}\n"
+    again = f"adaptnet play {options.output / 'own.safetensors'}\nadaptnet train {env_id(options.style)}\n"
     sections = [("", [paragraph(words)]), ("Figures", [table(figures)])]
     if filmed is not None:
         sections.append(("Side by side, straight ahead", [video(filmed)]))
     sections.append(("Learning curve", [picture("curve.png", "learning curve")]))
     sections.append(("Contact sheets", [picture(file, caption) for caption, file in sheets.items()]))
-    return [*sections, ("Go on", [listing(again + "adaptnet adapt --motion YOUR.bvh -o yours.safetensors")])]
+    go_on = listing(again + "adaptnet adapt --motion YOUR.bvh -o yours.safetensors")
+    return [*sections, ("Go on", [go_on, *playground()])]
+
+
+def playground() -> list[str]:
+    """Parts of a page: how to serve the playground and a link to it, or how to build it."""
+    command, what = serving_command(), "The playground, a page in which the walk is steered, pushed and blended"
+    if command is None:
+        return [paragraph(f"{what}, is not built here; in a checkout, 'make web' builds it.")]
+    return [paragraph(f"{what}: serve it, then follow the link."), listing(command), link(ADDRESS, ADDRESS)]
 
 
 def show_motions(output: Path, style: str, seconds: float) -> Path:
@@ -240,5 +245,6 @@ def show_motions(output: Path, style: str, seconds: float) -> Path:
     write_video(ProgressBar("filming")(video_frames(clip, min_seconds=seconds)), output / "style.mp4")
     page = output / PAGE
     words = "No pretrained walk is there yet; these are the reference motions that policies learn from."
-    write_page(page, f"The walk and {style}", [("", [paragraph(words), *blocks, video("style.mp4")])])
+    blocks = [paragraph(words), *blocks, video("style.mp4"), *playground()]
+    write_page(page, f"The walk and {style}", [("", blocks)])
     return page

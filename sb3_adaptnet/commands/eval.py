@@ -9,8 +9,9 @@ from typing import Any
 import torch
 
 from adapt_envs.commands.output import check_output
-from adapt_envs.drawing.film import video_frames, write_video
+from adapt_envs.drawing.film import rollout_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
+from adapt_envs.model.ground import Ground
 from adapt_envs.motion.exporting import write_bvh, write_glb
 from adapt_envs.motion.exporting.extra import gltf_packages
 from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
@@ -21,7 +22,7 @@ from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluat
 from sb3_adaptnet.evaluation.pictures import write_strip
 from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.evaluation.report import text_table
-from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, performance_of, typical_clip
+from sb3_adaptnet.evaluation.rollout_clips import longest, performance_of, typical_clip
 from sb3_adaptnet.evaluation.stacking import markdown, measure_pairs, pairs_of, write_csv, write_heat_map
 from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
@@ -181,12 +182,13 @@ def draw(loaded: LoadedPolicy, found: Evaluation, sheet: Path | None, video: Pat
 
     The video shows the longest stretch without a fall, up to 12 s.
     """
-    reference, name = loaded.env.worlds.reference.clips[0], loaded.title
+    worlds = loaded.env.worlds
     if sheet is not None:
-        write_sheet(typical_clip(found.straight, reference, name), sheet)
+        clip = typical_clip(found.straight, worlds.reference.clips[0], worlds.reference.joint_names, loaded.title)
+        write_sheet(clip, sheet, worlds.compiled(Ground()))
     if video is not None:
-        clip = clip_of(found.free, longest(found.free, VIDEO_SECONDS), reference.joint_names, name)
-        write_video(video_frames(clip), video)
+        world, start, stop = longest(found.free, VIDEO_SECONDS)
+        write_video(rollout_frames(worlds, found.free.qpos[start:stop, world]), video)
     return [path for path in (sheet, video) if path is not None]
 
 
@@ -209,7 +211,7 @@ def draw_alphas(
     """Draw an adaptation at five alphas, or with its base in one world, where asked for; return the pictures."""
     if isinstance(loaded.policy, AdaptNetPolicy):
         if strip is not None:
-            write_strip(alpha_clips(loaded.policy, loaded.env, seed=seed), strip)
+            write_strip(alpha_clips(loaded.policy, loaded.env, seed=seed), strip, loaded.env.worlds.compiled(Ground()))
         if before_after is not None:
             write_before_after(loaded.policy, loaded.env, before_after, seed, world)
     return [path for path in (strip, before_after) if path is not None]

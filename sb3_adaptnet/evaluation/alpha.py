@@ -57,9 +57,9 @@ def alpha_clips(
         seed: of the start states.
         seconds: simulated seconds of each world.
     """
-    reference, clips = env.worlds.reference.clips[0], {}
+    reference, joints, clips = env.worlds.reference.clips[0], env.worlds.reference.joint_names, {}
     for alpha in alphas:
         with at_alpha(policy, alpha):
             recording = record_straight(policy, env, reference_speed(env), seed, seconds)
-        clips[f"alpha = {alpha:g}"] = typical_clip(recording, reference, f"alpha {alpha:g}")
+        clips[f"alpha = {alpha:g}"] = typical_clip(recording, reference, joints, f"alpha {alpha:g}")
     return clips

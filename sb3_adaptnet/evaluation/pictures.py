@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,16 +38,17 @@ def side_by_side(clips: Mapping[str, MotionClip], size: tuple[int, int] = _PANE)
         yield tiled([parts], len(parts))
 
 
-def pose_strip(clips: Mapping[str, MotionClip]) -> Image:
+def pose_strip(clips: Mapping[str, MotionClip], model: mujoco.MjModel | None = None) -> Image:
     """One pose of each clip, its longest step with the right foot ahead, from the side above from the front.
 
     Args:
         clips: caption -> clip.
+        model: the character that the clips are of, on flat ground; the plain one if None.
 
     Returns:
         The picture (height, width, 3).
     """
-    model = compile_model()
+    model = compile_model() if model is None else model
     kinematics = Kinematics(model)
     with Scene(model, *_TILE) as scene:
         columns = []
@@ -57,9 +59,9 @@ def pose_strip(clips: Mapping[str, MotionClip]) -> Image:
     return tiled([columns], len(columns))
 
 
-def write_strip(clips: Mapping[str, MotionClip], path: str | Path) -> None:
+def write_strip(clips: Mapping[str, MotionClip], path: str | Path, model: mujoco.MjModel | None = None) -> None:
     """Write `pose_strip` as a PNG."""
-    write_png(pose_strip(clips), path)
+    write_png(pose_strip(clips, model), path)
 
 
 def longest_step(kinematics: Kinematics, clip: MotionClip) -> int:

@@ -86,6 +86,11 @@ def listing(text: str) -> str:
     return f"<pre>{html.escape(text)}</pre>"
 
 
+def link(address: str, words: str) -> str:
+    """A paragraph that is a link."""
+    return f'<p><a href="{html.escape(address)}">{html.escape(words)}</a></p>'
+
+
 def picture(file: str, words: str) -> str:
     """A picture that lies beside the page."""
     return f'<img src="{html.escape(file)}" alt="{html.escape(words)}">'

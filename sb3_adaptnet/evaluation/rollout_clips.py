@@ -30,8 +30,13 @@ def longest(recording: Recording, seconds: float, skip: float = 0.0) -> Segment:
 
 
 def clip_of(recording: Recording, segment: Segment, joint_names: Sequence[str], name: str) -> MotionClip:
-    """A stretch of a rollout as a clip called `name`; `joint_names` are the joints in the order of `qpos`."""
-    qpos = recording.qpos[segment.start : segment.stop, segment.world].copy()
+    """A stretch of a rollout as a clip called `name`; `joint_names` are the joints in the order of `qpos`.
+
+    On uneven ground every frame is moved up or down as if the ground below the root were z = 0.
+    """
+    rows = slice(segment.start, segment.stop)
+    qpos = recording.qpos[rows, segment.world].copy()
+    qpos[:, 2] -= recording.floor[rows, segment.world]
     qpos[:, 3:7] /= np.linalg.norm(qpos[:, 3:7], axis=1, keepdims=True)
     return MotionClip(name, qpos, tuple(joint_names), origin="rollout of a policy")
 
@@ -42,8 +47,11 @@ def performance_of(recording: Recording, segment: Segment, model: mujoco.MjModel
     return perform(model, qpos, FPS, float(recording.floor[segment.start, segment.world]))
 
 
-def typical_clip(recording: Recording, reference: MotionClip, name: str) -> MotionClip:
-    """As much of a straight rollout as the reference lasts (1.2 to 4 s), after the first 2 s: for a contact sheet."""
+def typical_clip(recording: Recording, reference: MotionClip, joint_names: Sequence[str], name: str) -> MotionClip:
+    """As much of a straight rollout as the reference lasts (1.2 to 4 s), after the first 2 s: for a contact sheet.
+
+    `joint_names` are the joints in the order of the recording's `qpos`: the reference may have more.
+    """
     seconds = min(max(reference.period / FPS, 1.2), 4.0) if reference.cyclic else 1.2
     segment = longest(recording, seconds, skip=SETTLING_SECONDS)
-    return clip_of(recording, segment, reference.joint_names, name)
+    return clip_of(recording, segment, joint_names, name)

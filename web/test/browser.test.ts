@@ -66,6 +66,20 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     return sum / 20;
   }
 
+  /** Say how many frames a second the page draws by itself: a figure of this machine, which nothing is asked of. */
+  async function reportFrames({ page }: Visit, name: string): Promise<void> {
+    const { frames, seconds } = await page.evaluate(async () => {
+      const [first, start] = [playground.frames, performance.now()];
+      const passed = () => ({ frames: playground.frames - first, seconds: (performance.now() - start) / 1000 });
+      while (passed().seconds < 4 || (passed().frames < 4 && passed().seconds < 20)) {
+        await new Promise((done) => setTimeout(done, 100));
+      }
+      return passed();
+    });
+    const rate = (frames / seconds).toFixed(1);
+    console.log(`${name}: ${rate} frames a second, drawn by the processor (${frames} in ${seconds.toFixed(1)} s)`);
+  }
+
   /** Colours in a picture of the canvas, and the share of its pixels that are a character's red or blue. */
   async function colours({ page }: Visit, name: string) {
     const canvas = (await page.$("#stage"))!;
@@ -101,6 +115,7 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     expect(await visited.page.$$eval(".caption", (found) => found.length)).toBe(2);
     clean(visited);
     console.log(`first visit: ${(visited.bytes() / 1e6).toFixed(1)} MB`);
+    await reportFrames(visited, "desktop, 1280 x 800");
   });
 
   test("W held for five seconds: it moved, goes faster and stands", async () => {
@@ -256,6 +271,7 @@ describe.skipIf(!CHROMIUM)("the page", () => {
 
   test("on a phone everything fits, and the pad steers", async () => {
     const visited = await visit(site, "", PHONE);
+    await reportFrames(visited, "phone, 390 x 844 twice as fine");
     const wide = await visited.page.evaluate(() => document.documentElement.scrollWidth);
     expect(wide).toBeLessThanOrEqual(PHONE.width);
     const { count, painted } = await colours(visited, "phone");

@@ -5,15 +5,27 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import pdist
 
 from adapt_envs.features import rotations
+from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import plain_model
+from adapt_envs.model.humanoid import LINKS
 from adapt_envs.motion.clip import MotionError
 from adapt_envs.motion.importing.bvh import Bvh
 from adapt_envs.motion.importing.directions import from_matrices, unit
 from adapt_envs.motion.importing.skeletons import SIDES, JointMap
 
 Array = NDArray[np.floating]
+_LINKS_OF = {
+    "hip": "thigh", "knee": "shin", "ankle": "foot", "shoulder": "upper_arm", "elbow": "lower_arm", "wrist": "hand",
+}  # fmt: skip
+_LINK_OF = {"hips": "pelvis", "head": "head"} | {
+    f"{side}_{role}": f"{side}_{link}" for side in SIDES for role, link in _LINKS_OF.items()
+}
+"""Roles -> the links that turn there."""
+_SAME = 0.001
+"""Most difference [m] between distances of joints of two skeletons that are the same."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +56,17 @@ class ForeignBody:
         across = unit(self.rest["left_hip"] - self.rest["right_hip"])[2]
         upward = unit(self.rest["top"] - self.rest["hips"])[2]
         return bool(max(down) < -0.9 and abs(across) < 0.3 and upward > 0.9)
+
+
+def is_own(bvh: Bvh, joints: JointMap) -> bool:
+    """Whether a file's skeleton is the character's own, as `write_bvh` writes it, in any unit and with any axis up."""
+    if any(role not in joints.joints for role in _LINK_OF):
+        return False
+    theirs = pdist(bvh.rest()[[bvh.names.index(joints.joints[role]) for role in _LINK_OF]])
+    model = plain_model()
+    rest = Kinematics(model).link_states(model.qpos0[None])[0, :, :3]
+    own = pdist(rest[[LINKS.index(link) for link in _LINK_OF.values()]])
+    return bool(np.abs(theirs * own.sum() - own * theirs.sum()).max() < _SAME * theirs.sum())
 
 
 def foreign_body(bvh: Bvh, joints: JointMap, path: Path) -> ForeignBody:

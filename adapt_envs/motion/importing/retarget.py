@@ -119,10 +119,11 @@ def _facing(quat: Array) -> Array:
 
 
 def _limb(body: ForeignBody, side: str, roles: tuple[str, str, str], trunk: Array, sign: float) -> tuple[Array, Array]:
-    """World orientation (T, 4) of a thigh or upper arm that hangs along -z, and the bend (T,) >= 0 of its hinge.
+    """World orientation (T, 4) of a thigh or upper arm that hangs along -z, and the bend (T,) of its hinge.
 
     The hinge's axis, +y in the link, is the normal of the plane of the bend (`sign` 1: the lower part goes backward, as
-    at a knee; -1: forward). Where the limb is straight, what the bone remembers of that axis holds.
+    at a knee; -1: forward). Where the limb is straight, what the bone remembers of that axis holds; a bend the other
+    way, of a knee that gives way backward, is negative.
     """
     top, joint, end = (f"{side}_{role}" for role in roles)
     upper = unit(body.pos[joint] - body.pos[top])
@@ -138,7 +139,7 @@ def _limb(body: ForeignBody, side: str, roles: tuple[str, str, str], trunk: Arra
     link = frame(up=-upper, left=axis, exact="up")
     bend = np.arctan2(sine[:, 0], np.sum(upper * lower, axis=1))
     backward = np.sum(normal * rotations.rotate(link, np.array([[0.0, 1.0, 0.0]])), axis=1) < 0
-    return link, np.where(backward, 0.0, bend)
+    return link, np.where(backward, -bend, bend)
 
 
 def _foot(body: ForeignBody, side: str, shin: Array) -> Array:

@@ -14,6 +14,7 @@ from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.pictures import pose_strip, side_by_side
 from sb3_adaptnet.evaluation.recording import open_worlds
+from sb3_adaptnet.play.playground import ADDRESS
 from sb3_adaptnet.policies.loading import load_policy
 
 
@@ -39,12 +40,28 @@ def test_adapts_measures_draws_and_says_where(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out) == figures["own, 0 k samples"]
 
 
+def test_time_too_short_for_one_rollout_is_one_sentence(tmp_path, capsys):
+    base, output = save_tiny_base(tmp_path), tmp_path / "demo"
+    assert main(["demo", "--base", str(base), "--n-envs", "8", "--minutes", "0", "-o", str(output)]) == 2
+    assert "0 minutes are too few" in capsys.readouterr().err and not (output / "index.html").exists()
+
+
 def test_without_a_walk_the_motions_are_shown(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(demo, "pretrained_names", lambda: [])
     assert main(["demo", "--style", "Penguin", "--film", "0.1", "-o", str(tmp_path)]) == 0
     assert "there is no pretrained walk yet" in capsys.readouterr().out
+    assert demo.playground()[0] in (tmp_path / "index.html").read_text()
     assert files_on(tmp_path / "index.html") == ["walk.png", "penguin.png", "style.mp4"]
     assert all((tmp_path / file).stat().st_size > 1000 for file in files_on(tmp_path / "index.html"))
+
+
+def test_the_page_leads_to_the_playground(monkeypatch):
+    monkeypatch.setattr(demo, "serving_command", lambda: None)
+    (words,) = demo.playground()
+    assert "make web" in words and "href" not in words
+    monkeypatch.setattr(demo, "serving_command", lambda: "serve it")
+    page = "".join(demo.playground())
+    assert "<pre>serve it</pre>" in page and f'<a href="{ADDRESS}">' in page
 
 
 def test_a_folder_that_is_no_run_is_left_alone(tmp_path, capsys):

@@ -213,7 +213,7 @@ def test_stretches_of_rollouts_become_clips(stoop):
     assert longest(found, 1.0, skip=2.0) == (1, 81, 112)
     clip = clip_of(found, longest(found, 2.0), stoop.joint_names, "piece")
     assert clip.qpos == pytest.approx(motion[21:82]) and clip.name == "piece"
-    assert typical_clip(found, stoop, "typical").seconds == pytest.approx(1.2)
+    assert typical_clip(found, stoop, stoop.joint_names, "typical").seconds == pytest.approx(1.2)
     broken = recording_of(motion[:8], restarts=[(i, 0) for i in range(7)])
     with pytest.raises((ValueError, MotionError), match="needs 6"):
         longest(broken, 1.0)
