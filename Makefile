@@ -4,7 +4,7 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test check lint format types docs web web-test clean
+.PHONY: demo test check lint format types docs pretrained sweep-test web web-test clean
 
 demo: $(STAMP)
 	$(VENV)/bin/adaptnet demo
@@ -29,6 +29,15 @@ types: $(STAMP)
 docs: $(STAMP)
 	$(RUN) -m pip install --quiet -c constraints.txt -e ".[docs]"
 	$(VENV)/bin/mkdocs build --strict
+
+# All adaptations that ship, trained again: about three and a half hours on two cores (an estimate: docs/sweeps.md).
+pretrained: $(STAMP)
+	$(VENV)/bin/adaptnet sweep pretrained
+
+# Sweeps by Ray, whose driver and workers are killed.
+sweep-test: $(STAMP)
+	$(RUN) -m pip install --quiet -c constraints.txt -e ".[sweep]"
+	$(RUN) -m pytest -m slow tests/sb3_adaptnet/sweeps
 
 # The playground in the browser: a static site in web/dist.
 web: $(STAMP)
