@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import yaml
@@ -26,9 +27,16 @@ def sweep_file(folder, samples=640, **changes):
     return file
 
 
-def start_driver(file, runs, *more):
-    """`adaptnet sweep` in a process of its own."""
-    return run_command(["sb3_adaptnet.commands.main", "sweep", str(file), "--dir", str(runs), *more], cwd=ROOT)
+@contextmanager
+def driver(file, runs, *more):
+    """`adaptnet sweep` in a process of its own, which is gone afterwards."""
+    words = ["sb3_adaptnet.commands.main", "sweep", str(file), "--dir", str(runs), *more]
+    process = run_command(words, cwd=ROOT)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
 
 
 def saved(run):
@@ -36,12 +44,13 @@ def saved(run):
     return RunFolder.open(run).load()["samples"] if UnitFolder(run).begun else 0
 
 
-def rows_without_gaps(run):
-    """How many rows a run's progress.csv has; one for every rollout, or this fails."""
+def check_rows(run, last):
+    """Fail unless a run's progress.csv has every rollout once, up to `last` samples, whatever was killed meanwhile."""
     with (Path(run) / "progress.csv").open() as stream:
-        rows = [int(float(row["samples"])) for row in csv.DictReader(stream)]
-    assert rows == [ROLLOUT * (n + 1) for n in range(len(rows))]
-    return len(rows)
+        rows = [0, *(int(float(row["samples"])) for row in csv.DictReader(stream))]
+    begun = {*rows, *went_on_after(run)}  # one that was stopped within a rollout goes on after its part
+    assert all(after - ROLLOUT in begun for after in rows[1:]) and rows == sorted({*rows}), rows
+    assert last <= rows[-1] < last + ROLLOUT
 
 
 def went_on_after(run):

@@ -17,7 +17,7 @@ from sb3_adaptnet.policies.loading import load_policy
 from sb3_adaptnet.runs.run_folder import RUNS, RunFolder
 from sb3_adaptnet.runs.training import resume, start
 from sb3_adaptnet.sweeps.attendant import ATTENDED, end_with_attendant
-from sb3_adaptnet.sweeps.dispatch import has_ray, run_by_ray, run_in_order
+from sb3_adaptnet.sweeps.dispatch import check_room, has_ray, ray_libraries, run_by_ray, run_in_order
 from sb3_adaptnet.sweeps.plan import prepare, units_of
 from sb3_adaptnet.sweeps.status import csv_table, markdown_table, read_status, summary, text_table
 from sb3_adaptnet.sweeps.sweep_file import Sweep, read_sweep
@@ -66,11 +66,13 @@ def run(options: argparse.Namespace) -> int:
 
 def run_all(sweep: Sweep, options: argparse.Namespace) -> int:
     """Do what is not done yet; say what became of it."""
-    cores = usable_cores()
+    units = units_of(sweep, cores := usable_cores())
+    cpus, gpus = sweep.resources.cpus or cores, sweep.resources.gpus
     by_ray = not options.plain and (options.address is not None or has_ray())
-    units = units_of(sweep, cores)
-    if not by_ray and sweep.resources.gpus and not torch.cuda.is_available():
-        raise ValueError(f"{sweep.name}.yml: a run takes {sweep.resources.gpus:g} GPUs, this machine has none")
+    if by_ray:
+        ray_libraries()  # before anything is written
+    if options.address is None:
+        check_room({"CPU": cores, "GPU": torch.cuda.device_count()}, cpus if by_ray else 0.0, gpus)
     folder = (options.dir or RUNS / "sweeps" / sweep.name).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     try:
@@ -79,8 +81,7 @@ def run_all(sweep: Sweep, options: argparse.Namespace) -> int:
             waiting = [place.path for place in places if not place.is_done()]
             print(f"{len(places)} runs in {folder}, {len(places) - len(waiting)} of them done", flush=True)
             if waiting and by_ray:
-                cpus = sweep.resources.cpus or cores
-                run_by_ray(waiting, sweep.retries, cpus, sweep.resources.gpus, options.address)
+                run_by_ray(waiting, sweep.retries, cpus, gpus, cores, options.address)
             elif waiting:
                 run_in_order(waiting, sweep.retries)
     except Timeout:

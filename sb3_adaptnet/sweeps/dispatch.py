@@ -25,7 +25,7 @@ def run_in_order(folders: Sequence[Path], retries: int) -> None:
 
 
 def run_by_ray(
-    folders: Sequence[Path], retries: int, cpus: float, gpus: float = 0.0, address: str | None = None
+    folders: Sequence[Path], retries: int, cpus: float, gpus: float, cores: int, address: str | None = None
 ) -> None:
     """Attend to runs by Ray Tune, as many at once as there is room for.
 
@@ -34,16 +34,20 @@ def run_by_ray(
         retries: how often a run that died is taken up again, elsewhere if its machine is gone.
         cpus: processor cores of one run.
         gpus: graphics cards of one run.
+        cores: of this machine, that all runs together may take where there is no cluster.
         address: of a cluster; None starts Ray on this machine, and ends it.
 
     Raises:
-        ValueError: if Ray is not installed, or this machine has less than one run takes.
+        ValueError: if Ray is not installed.
     """
     ray, tune = ray_libraries()
-    _begin(ray, address)
+    # Trials must not move into Ray's folders: what a sweep names may lie beside the working directory.
+    os.environ.setdefault("RAY_CHDIR_TO_TRIAL_DIR", "0")
+    if address is None:
+        ray.init(address="local", num_cpus=cores, include_dashboard=False)
+    else:
+        ray.init(address=address)
     try:
-        if address is None:
-            check_room(ray.cluster_resources(), cpus, gpus)
         tuner = tune.Tuner(
             tune.with_resources(_attend_trial, {"cpu": cpus, "gpu": gpus}),
             param_space={"run": tune.grid_search([str(folder) for folder in folders])},
@@ -86,15 +90,6 @@ def ray_libraries() -> tuple[Any, Any]:
         return import_module("ray"), import_module("ray.tune")
     except ImportError as error:
         raise ValueError(f"this needs an optional package ({error}): pip install 'adaptnet-gym[sweep]'") from error
-
-
-def _begin(ray: Any, address: str | None) -> None:
-    # Trials must not move into Ray's folders: what a sweep names may lie beside the working directory.
-    os.environ.setdefault("RAY_CHDIR_TO_TRIAL_DIR", "0")
-    if address is None:
-        ray.init(address="local", include_dashboard=False)
-    else:
-        ray.init(address=address)
 
 
 def _attend_trial(config: Mapping[str, str]) -> None:

@@ -3,7 +3,7 @@
 import sys
 
 import pytest
-from sweep_cases import kill, rows_without_gaps, run_processes, saved, start_driver, sweep_file, wait_for, went_on_after
+from sweep_cases import check_rows, driver, kill, run_processes, saved, sweep_file, wait_for, went_on_after
 from toy_zoo import TOY, conf
 
 from sb3_adaptnet.commands.main import main
@@ -26,13 +26,13 @@ def test_a_sweep_goes_on_where_it_was_killed_and_skips_what_is_done(tmp_path, ca
     assert main(["sweep", "run", str(first)]) == 0
     weights = (first / "first.safetensors").stat().st_mtime_ns
 
-    driver = start_driver(file, runs, "--plain")
-    wait_for(lambda: saved(second) and run_processes(runs))
-    assert main(["sweep", str(file), "--dir", str(runs), "--plain"]) == 2
-    assert "another sweep is at work" in capfd.readouterr().err
-    assert [row.state for row in read_status(runs)] == ["done", "running"]
-    kill(driver.pid)
-    wait_for(lambda: not run_processes(runs))  # it noticed, saved and ended
+    with driver(file, runs, "--plain") as process:
+        wait_for(lambda: saved(second) and run_processes(runs))
+        assert main(["sweep", str(file), "--dir", str(runs), "--plain"]) == 2
+        assert "another sweep is at work" in capfd.readouterr().err
+        assert [row.state for row in read_status(runs)] == ["done", "running"]
+        kill(process.pid)
+        wait_for(lambda: not run_processes(runs))  # it noticed, saved and ended
     kept = saved(second)
     assert kept > 0 and [row.state for row in read_status(runs)] == ["done", "stopped"]
 
@@ -40,7 +40,8 @@ def test_a_sweep_goes_on_where_it_was_killed_and_skips_what_is_done(tmp_path, ca
     again = ["sweep", str(file), "--dir", str(runs), "--plain"]
     assert main(again) == 0
     assert "2 runs in" in (said := capfd.readouterr().out) and "1 of them done" in said
-    assert rows_without_gaps(second) == kept // 64 + 1 and went_on_after(second) == [kept]
+    check_rows(second, kept + 64)
+    assert went_on_after(second) == [kept]
     assert (second / "second.safetensors").is_file() and (second / "curve.png").is_file()
     assert main(again) == 0
     assert "2 of them done" in (said := capfd.readouterr().out) and "goes on" not in said
