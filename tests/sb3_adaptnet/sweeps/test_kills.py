@@ -8,7 +8,7 @@ from sweep_cases import check_rows, driver, kill, run_processes, saved, sweep_fi
 from sb3_adaptnet.sweeps import read_status
 from sb3_adaptnet.sweeps.dispatch import has_ray
 
-SAMPLES = 3200
+SAMPLES = 12800
 WITHOUT_RAY = pytest.mark.skipif(not has_ray(), reason="Ray is not installed: pip install 'adaptnet-gym[sweep]'")
 
 
