@@ -4,7 +4,7 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test check lint format types docs pages web web-test clean
+.PHONY: demo test check lint format types docs pages pretrained sweep-test web web-test clean
 
 demo: $(STAMP)
 	$(VENV)/bin/adaptnet demo
@@ -34,6 +34,15 @@ docs: $(STAMP)
 pages: docs web
 	rm -rf site/playground
 	cp -R web/dist site/playground
+
+# All adaptations that ship, trained again: about three and a half hours on two cores (an estimate: docs/sweeps.md).
+pretrained: $(STAMP)
+	$(VENV)/bin/adaptnet sweep pretrained
+
+# Sweeps by Ray, whose driver and workers are killed.
+sweep-test: $(STAMP)
+	$(RUN) -m pip install --quiet -c constraints.txt -e ".[sweep]"
+	$(RUN) -m pytest -m slow tests/sb3_adaptnet/sweeps
 
 # The playground in the browser: a static site in web/dist.
 web: $(STAMP)

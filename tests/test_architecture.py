@@ -39,11 +39,12 @@ sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo  sb3_adaptnet.expor
 sb3_adaptnet.evaluation.stacking
 sb3_adaptnet.publishing
 sb3_adaptnet
+sb3_adaptnet.sweeps  sb3_adaptnet.commands.bench
 sb3_adaptnet.commands
 """
 """Rooms, lowest first. A room imports from the layers below it, and from itself."""
 LAYER_OF = {room: layer for layer, rooms in enumerate(LAYERS.split("\n")) for room in rooms.split()}
-ROOMS_WITH_A_VIEW = ("vec_env", "evaluation", "runs", "play", "publishing", "exporting", "commands", "zoo")
+ROOMS_WITH_A_VIEW = ("vec_env", "evaluation", "runs", "play", "publishing", "exporting", "sweeps", "commands", "zoo")
 MAY_SEE_THE_WORLD = {f"sb3_adaptnet.{room}" for room in ROOMS_WITH_A_VIEW}
 LEARNING = {"torch", "sb3_adaptnet", "stable_baselines3", "rl_zoo3"}
 MOST_LINES, LONGEST_FUNCTION, MOST_MODULES = 250, 60, 14

@@ -8,8 +8,10 @@ from collections.abc import Sequence
 import gymnasium as gym
 
 from adapt_envs.commands import doctor, envs, motions
-from sb3_adaptnet.commands import adapt, bench_env, bench_train, curves, demo, export, hub, play, train, world_model
+from sb3_adaptnet.commands import adapt, curves, demo, export, hub, play, sweep, train, world_model
 from sb3_adaptnet.commands import eval as evaluation
+from sb3_adaptnet.commands.bench import env as bench_env
+from sb3_adaptnet.commands.bench import train as bench_train
 
 BAD_INPUT, PIPE_CLOSED = 2, 141
 """Exit codes; the latter is what shells have for it."""
@@ -23,6 +25,7 @@ def make_parser() -> argparse.ArgumentParser:
     demo.add_parser(subparsers)
     train.add_parser(subparsers)
     adapt.add_parser(subparsers)
+    sweep.add_parser(subparsers)
     evaluation.add_parser(subparsers)
     evaluation.add_stack_parser(subparsers)
     play.add_parser(subparsers)

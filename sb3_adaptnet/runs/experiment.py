@@ -94,11 +94,31 @@ def experiment(
     env_id: str, base: str | None = None, conf_file: str | Path | None = None, algo: str = "ppo"
 ) -> Experiment:
     """Read and check the whole entry of an environment; arguments and errors as `hyperparameters`."""
+    file = conf_path(check_algorithm(algo) if conf_file is None else conf_file)
+    return experiment_of(read_entry(file, env_id), env_id, base, algo, file.name)
+
+
+def check_algorithm(algo: str) -> str:
+    """Return the name of an algorithm.
+
+    Raises:
+        ValueError: if there is none of that name.
+    """
     if algo not in ALGORITHMS:
         raise ValueError(f"there is no algorithm {algo!r}; there are: {', '.join(ALGORITHMS)}")
-    file = conf_path(algo if conf_file is None else conf_file)
-    entry = read_entry(file, env_id)
-    where = f"{file.name}: {env_id}"
+    return algo
+
+
+def experiment_of(
+    entry: Mapping[str, Any], env_id: str, base: str | None = None, algo: str = "ppo", source: str = "entry"
+) -> Experiment:
+    """Check the entry of an environment; `source` says in errors where it stands.
+
+    Raises:
+        ValueError: as `hyperparameters`.
+    """
+    check_algorithm(algo)
+    where = f"{source}: {env_id}"
     keys = tuple(name for name in inspect.signature(ALGORITHMS[algo]).parameters if name not in NOT_FROM_YAML)
     _refuse_unknown(where, entry, (*keys, *RUN_KEYS))
     for key in ("policy", "n_envs", "n_timesteps"):

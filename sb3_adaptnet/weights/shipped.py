@@ -43,10 +43,26 @@ def zoo_config_path(name: str) -> Path:
     Raises:
         ValueError: if there is none of that name.
     """
-    folders = _folders("zoo_configs")
+    return _yaml_path("zoo_configs", name, "experiment configuration")
+
+
+def sweep_path(name: str) -> Path:
+    """File of a shipped sweep.
+
+    Args:
+        name: file name in `zoo_configs/sweeps`, with or without ".yml".
+
+    Raises:
+        ValueError: if there is none of that name.
+    """
+    return _yaml_path("zoo_configs/sweeps", name, "sweep")
+
+
+def _yaml_path(relative: str, name: str, kind: str) -> Path:
+    folders = _folders(relative)
     for folder in folders:
         file = folder / f"{name.removesuffix('.yml')}.yml"
         if file.is_file():
             return file
     known = sorted({file.stem for folder in folders for file in folder.glob("*.yml")})
-    raise ValueError(f"no experiment configuration named {name!r}; there are {known}")
+    raise ValueError(f"no {kind} named {name!r}; there are {known}")

@@ -1,0 +1,149 @@
+"""One run of a sweep: what it shall do, and its folder, from which alone anyone can tell how far it is."""
+
+import json
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+from filelock import FileLock, Timeout
+
+from sb3_adaptnet.runs.experiment import LOADER
+from sb3_adaptnet.runs.run_folder import RunSettings
+from sb3_adaptnet.sweeps.sweep_file import Measurement
+from sb3_adaptnet.weights.atomic_file import write_atomically
+
+WAITING, RUNNING, STOPPED, FAILED, DONE = "waiting", "running", "stopped", "failed", "done"
+"""States of a run: not begun; a process is at it; begun and left; left by an error; trained, exported and measured."""
+LOCK_SECONDS = 120.0
+"""How long a process waits for another one in the same folder, which may just be writing its last checkpoint."""
+MAY_CHANGE = ("samples", "the entry's n_timesteps", "threads", "device")
+"""What may be another number when a run is taken up again."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One run of a sweep.
+
+    Attributes:
+        name: of its folder.
+        task: name of the task, and of the weight file.
+        override: name of the override; empty for none.
+        settings: what to train.
+        entry: the zoo's entry with all changes.
+        measurement: how the result is measured; None for not at all.
+        minutes: between checkpoints.
+    """
+
+    name: str
+    task: str
+    override: str
+    settings: RunSettings
+    entry: dict[str, Any]
+    measurement: Measurement | None = None
+    minutes: float = 3.0
+
+    def fixed(self) -> dict[str, Any]:
+        """What may not change once the run has begun, by names for people."""
+        values = {**asdict(self.settings), **{f"the entry's {key}": value for key, value in self.entry.items()}}
+        return {name: value for name, value in values.items() if name not in MAY_CHANGE}
+
+
+class UnitFolder:
+    """Files of one run of a sweep, beside those of `RunFolder`.
+
+    Attributes:
+        path: the folder.
+        unit_file: what to do.
+        config: the zoo's entry with all changes; the run reads it.
+        log: what its processes printed.
+        failure: why the last process failed; not there otherwise.
+        result: what became of it; there when it is done.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        """Name a folder; nothing is written."""
+        self.path = Path(path)
+        self.unit_file, self.config = self.path / "unit.yml", self.path / "config.yml"
+        self.log, self.failure, self.result = (self.path / name for name in ("log.txt", "failure.txt", "result.json"))
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is a checkpoint to go on from."""
+        return (self.path / "run.json").is_file() and (self.path / "checkpoint.pt").is_file()
+
+    def read(self) -> Unit:
+        """Read what to do.
+
+        Raises:
+            ValueError: if the folder is none of a sweep's, or the file is damaged.
+        """
+        if not self.unit_file.is_file():
+            raise ValueError(f"{self.path} is not a run of a sweep: it has no {self.unit_file.name}")
+        try:
+            values = yaml.load(self.unit_file.read_text(encoding="utf-8"), Loader=LOADER)
+            settings, measured = RunSettings(**values.pop("settings")), values.pop("measurement")
+            if measured is not None:
+                measured = Measurement(measured["seconds"], tuple(measured["seeds"]))
+            return Unit(**values, name=self.path.name, settings=settings, measurement=measured)
+        except (yaml.YAMLError, UnicodeDecodeError, TypeError, AttributeError, KeyError) as error:
+            raise ValueError(f"{self.unit_file} is damaged: {' '.join(str(error).split())}") from error
+
+    def write(self, unit: Unit) -> None:
+        """Write what to do."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        measured = unit.measurement and {"seconds": unit.measurement.seconds, "seeds": list(unit.measurement.seeds)}
+        values = {"task": unit.task, "override": unit.override, "settings": asdict(unit.settings),
+                  "entry": unit.entry, "measurement": measured, "minutes": unit.minutes}  # fmt: skip
+        text = yaml.safe_dump(values, sort_keys=False)
+        write_atomically(self.unit_file, lambda stream: stream.write(text.encode()))
+
+    def write_config(self, unit: Unit) -> RunSettings:
+        """Write the entry to train with; return the run's settings that name it."""
+        text = yaml.safe_dump({unit.settings.env_id: unit.entry}, sort_keys=False)
+        write_atomically(self.config, lambda stream: stream.write(text.encode()))
+        return replace(unit.settings, conf_file=str(self.config))
+
+    def write_result(self, unit: Unit, samples: int, weights: Path, figures: list[dict[str, Any]]) -> None:
+        """Say that the run is done, with how many samples and which figures, one for each seed of the measurement."""
+        measured = None if unit.measurement is None else asdict(unit.measurement)
+        result = {"samples": samples, "weights": weights.name, "measurement": measured, "figures": figures}
+        text = json.dumps(result, indent=2) + "\n"
+        write_atomically(self.result, lambda stream: stream.write(text.encode()))
+
+    def read_result(self) -> dict[str, Any]:
+        """What `write_result` wrote; empty while there is nothing."""
+        return json.loads(self.result.read_text(encoding="utf-8")) if self.result.is_file() else {}
+
+    def is_done(self) -> bool:
+        """Whether everything that is asked for is there."""
+        unit, result = self.read(), self.read_result()
+        measured = None if unit.measurement is None else json.loads(json.dumps(asdict(unit.measurement)))
+        enough = result.get("samples", -1) >= unit.settings.samples
+        return enough and (measured is None or result["measurement"] == measured)
+
+    def state(self) -> str:
+        """The run's state; one of the constants above."""
+        if self.is_done():
+            return DONE
+        if is_locked(self.path):
+            return RUNNING
+        if self.failure.is_file():
+            return FAILED
+        return STOPPED if self.begun else WAITING
+
+
+def lock_of(folder: Path) -> FileLock:
+    """The lock that says a process is at work in a folder; it falls with its process, however that ends."""
+    return FileLock(folder / ".lock")
+
+
+def is_locked(folder: Path) -> bool:
+    """Whether a process is at work in a folder."""
+    if not (folder / ".lock").is_file():
+        return False
+    try:
+        with lock_of(folder).acquire(timeout=0):
+            return False
+    except Timeout:
+        return True

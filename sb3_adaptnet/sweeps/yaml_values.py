@@ -1,0 +1,72 @@
+"""Plain values of a YAML file, each as wanted or refused with a sentence that says where it stands."""
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+LABEL = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+"""What names folders and files."""
+
+
+def mapping(where: str, value: Any, valid: Sequence[str] | None = None) -> dict[str, Any]:
+    """A mapping with text keys, of the `valid` ones where they are given.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, dict):
+        raise ValueError(f"{where} is {value!r}, expected a mapping")
+    unknown = [key for key in value if not isinstance(key, str) or (valid is not None and key not in valid)]
+    if unknown:
+        raise ValueError(f"{where} has the unknown key {unknown[0]!r}; valid are: {', '.join(valid or ('words',))}")
+    return value
+
+
+def number(where: str, value: Any, least: float = 0.0) -> float:
+    """A number, at least `least`.
+
+    Raises:
+        ValueError: for anything else, also for what YAML reads as text.
+    """
+    if isinstance(value, str) and re.fullmatch(r"[-+\d.]+[eE][-+]?\d+", value):
+        raise ValueError(f"{where} is text to YAML: write {float(value):.1f} instead of {value}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value < float("inf"):
+        raise ValueError(f"{where} is {value!r}, expected a number of at least {least:g}")
+    return value
+
+
+def whole(where: str, value: Any, least: int = 0) -> int:
+    """A whole number, at least `least`; 2.0e+6 is one.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    found = number(where, value, least)
+    if found != int(found):
+        raise ValueError(f"{where} is {value!r}, expected a whole number of at least {least}")
+    return int(found)
+
+
+def seeds(where: str, value: Any) -> tuple[int, ...]:
+    """A list of different whole numbers.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"{where} is {value!r}, expected a list of whole numbers, such as [0, 1]")
+    found = tuple(whole(f"a seed in {where}", one) for one in value)
+    if len(set(found)) < len(found):
+        raise ValueError(f"{where} is {value!r}: a seed stands there twice")
+    return found
+
+
+def label(where: str, value: Any) -> str:
+    """A word that can name a folder.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, str) or not LABEL.fullmatch(value):
+        raise ValueError(f"{where} is {value!r}, expected a word of letters, digits, dots, dashes and underscores")
+    return value
