@@ -5,30 +5,22 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.world_model.integration import CONTROL_DT
 
-SHORTEST_STRIDE = 9
-"""Phases (0.3 s) below which nothing is a stride."""
-ALIKE = 0.8
-"""How much of the best correlation a shift must have: the first one that has it is a stride."""
+LIFTED, LANDED = 0.03, 0.015
+"""Heights [m] over its lowest place, from which on a foot is lifted, and below which it has landed again."""
 
 
 def footsteps_per_second(heights: NDArray[np.floating], cyclic: bool) -> float:
-    """Footsteps of both feet per second, of a motion whose one foot has heights (P,) [m]; infinite if none are found.
+    """Landings of all feet per second, of a motion whose F feet have heights (F, P) [m]; infinite if there are none.
 
-    A stride is the first shift of the motion that looks like the motion; two footsteps make a stride.
+    A skipping foot lands twice in a stride.
     """
-    swing = heights - heights.mean()
-    longest = len(swing) if cyclic else len(swing) // 2
-    shifts = np.arange(SHORTEST_STRIDE, longest + 1)
-    if not len(shifts) or not swing.any():
-        return float("inf")
-    alike = np.array([_correlation(swing, shift, cyclic) for shift in range(SHORTEST_STRIDE - 1, longest + 2)])
-    inner, before, after = alike[1:-1], alike[:-2], alike[2:]
-    rising, falling = inner >= before, inner >= after
-    falling[-1] |= cyclic  # a whole cycle is always a stride, or several
-    strides = shifts[rising & falling & (inner > ALIKE * inner.max()) & (inner > 0)]
-    return 2 / (float(strides[0]) * CONTROL_DT) if len(strides) else float("inf")
+    landings = sum(_landings(foot - foot.min(), cyclic) for foot in heights)
+    return landings / (heights.shape[1] * CONTROL_DT) if landings else float("inf")
 
 
-def _correlation(swing: NDArray[np.floating], shift: int, cyclic: bool) -> float:
-    first, second = (swing, np.roll(swing, -shift)) if cyclic else (swing[:-shift], swing[shift:])
-    return float(first @ second / np.sqrt((first @ first) * (second @ second) + 1e-12))
+def _landings(height: NDArray[np.floating], cyclic: bool) -> int:
+    """How often a foot lands whose height over its lowest place is (P,) [m]."""
+    known = height[(height > LIFTED) | (height < LANDED)]
+    lifted = known > LIFTED
+    before = np.roll(lifted, 1) if cyclic else np.concatenate([lifted[:1], lifted[:-1]])
+    return int((before & ~lifted).sum())

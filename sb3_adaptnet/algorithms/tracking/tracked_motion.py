@@ -97,7 +97,7 @@ class TrackedMotion:
             positions=links[0:9:3].permute(2, 1, 0).contiguous().numpy(),
             cyclic=cyclic,
             mean_speed=mean_speed,
-            footsteps=footsteps_per_second(links[6, _feet(character)[0]].numpy(), cyclic),
+            footsteps=footsteps_per_second(links[6, _feet(character)].numpy(), cyclic),
         )
 
     def __len__(self) -> int:
