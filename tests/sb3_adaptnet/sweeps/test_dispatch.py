@@ -1,7 +1,7 @@
 """Who runs what: the parts that need no cluster."""
 
-import os
-import time
+import subprocess
+import sys
 
 import pytest
 from sweep_cases import sweep_file
@@ -35,17 +35,25 @@ def test_a_run_that_was_refused_is_not_tried_again_and_says_why(tmp_path, capfd)
     assert place.state() == FAILED and not place.result.exists()
 
 
+HOLDER = """
+import sys, time
+from filelock import FileLock
+lock = FileLock(sys.argv[1])
+lock.acquire()
+print("held", flush=True)
+time.sleep(600)
+"""
+"""A process that holds a lock until it is killed."""
+
+
 def test_a_lock_falls_with_whoever_held_it(tmp_path):
     assert not is_locked(tmp_path)
-    pid = os.fork()
-    if pid == 0:
-        lock_of(tmp_path).acquire()
-        time.sleep(60)
-        os._exit(0)
-    while not is_locked(tmp_path):
-        time.sleep(0.01)
-    os.kill(pid, 9)
-    os.waitpid(pid, 0)
+    words = [sys.executable, "-c", HOLDER, lock_of(tmp_path).lock_file]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "held\n"
+        assert is_locked(tmp_path)
+        process.kill()
+        process.wait()
     assert not is_locked(tmp_path)
 
 
