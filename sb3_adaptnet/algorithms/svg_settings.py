@@ -83,7 +83,8 @@ class CostToGo:
     """The critic: which costs a state leads to, and how it learns that.
 
     Attributes:
-        weight: of its value at a window's end, beside the window's costs; 0 switches it off. 0.5 outweighed the style.
+        weight: of its value at a window's end, beside the window's costs; 0 switches it off. Before the style
+            and the turns were there, 0.5 outweighed them.
         discount: what a cost counts one control step later.
         trace: lambda of TD(lambda).
         end_cost: cost-to-go of a fall and of an end by the error. It must be above what a bad state costs otherwise:
