@@ -1,5 +1,6 @@
 """What a learner that models the world reads of all worlds and sets, beside what policies see."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import mujoco
@@ -7,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.features.observation_rows import Observations
+from adapt_envs.motion.importing.gaits_of_clip import gaits_of
+from adapt_envs.motion.library import ReferenceMotion
 from adapt_envs.simulation.worlds import Worlds
 
 
@@ -81,16 +84,18 @@ class StateAccess:
         return GoalStates(self.worlds.goals.target.copy(), self.worlds.goals.speed.copy())
 
     @property
-    def start_states(self) -> NDArray[np.int64]:
-        """(N,) number of the reference state that each world's episode began in."""
-        return self.worlds.starts.copy()
-
-    @property
     def reference_states(self) -> ReferenceStates:
         """All start states of the reference motion, in order."""
-        reference = self.worlds.reference
-        clip = reference.clips[0]
-        return ReferenceStates(*reference.states(np.arange(reference.num_states)), clip.cyclic, clip.mean_speed)
+        return _all_states(self.worlds.reference)
+
+    def reference_gaits(self, speeds: Sequence[float]) -> list[ReferenceStates]:
+        """Gait cycles of a reference motion of minutes, one at about each speed [m/s] that it has.
+
+        Raises:
+            MotionError: if it holds no cycle at any of them.
+        """
+        cycles = gaits_of(self.worlds.reference.clips[0], speeds)
+        return [_all_states(ReferenceMotion([cycle], self.model)) for cycle in cycles]
 
     def restart(self, ids: NDArray[np.integer], starts: NDArray[np.integer] | None = None) -> Observations:
         """End the episodes of the worlds `ids` and begin others.
@@ -103,3 +108,8 @@ class StateAccess:
             First observations of these n worlds.
         """
         return self.worlds.reset(ids, starts)
+
+
+def _all_states(motion: ReferenceMotion) -> ReferenceStates:
+    clip = motion.clips[0]
+    return ReferenceStates(*motion.states(np.arange(motion.num_states)), clip.cyclic, clip.mean_speed)

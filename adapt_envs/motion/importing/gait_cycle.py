@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from adapt_envs.features import rotations
@@ -15,12 +16,18 @@ _VELOCITY_WEIGHT = 3.0
 """Frames: a difference in speed counts as the difference in pose it makes in this time."""
 _SWING_SHARE = 0.3
 """Share of the feet's whole travel that each must be ahead of the other within a cycle."""
+_SLOW_SHARE = 0.33
+"""The same where a speed is asked for, in what it is otherwise."""
+_SPEED_RANGE = 0.08
+"""Share of a speed by which a cycle's may differ from it."""
 _LENGTH_PENALTY = 0.15
 """Price of a second of length: of cycles that close alike the shortest is taken."""
 _MOST_GAP = 0.35
 """Mean difference [rad] between first and last frame beyond which nothing repeats."""
 _MOST_TURN = np.radians(25)
 """Turning within a cycle that may be straightened."""
+_LITTLE_TURN = np.radians(4)
+"""The same of a cycle out of minutes, where there is a choice: what is straightened lets the feet slide."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +38,12 @@ class Cycle:
     period: int
 
 
-def find_cycle(draft: Draft) -> Cycle:
+def find_cycle(draft: Draft, speed: float | None = None) -> Cycle:
     """The stretch of 0.4 to 3 s that best closes into a loop, with a step of either foot.
+
+    Args:
+        draft: the motion.
+        speed: about how fast it shall travel [m/s]; None for any speed.
 
     Raises:
         MotionError: if the motion holds no gait cycle.
@@ -40,7 +51,8 @@ def find_cycle(draft: Draft) -> Cycle:
     poses = _poses(draft)
     separation = _separation(draft)
     low, high = np.percentile(separation, [3, 97])
-    middle, reach = (low + high) / 2, _SWING_SHARE * (high - low)
+    # Of slow steps in a motion of many speeds, a third of the fast steps' reach is enough.
+    middle, reach = (low + high) / 2, _SWING_SHARE * (high - low) * (1.0 if speed is None else _SLOW_SHARE)
     best: tuple[float, Cycle] | None = None
     if high - low > 0.1:
         turn = np.unwrap(rotations.heading(draft.qpos[:, 3:7]))
@@ -48,18 +60,27 @@ def find_cycle(draft: Draft) -> Cycle:
             cost = np.abs(poses[period:] - poses[:-period]).mean(axis=1)
             windows = np.lib.stride_tricks.sliding_window_view(separation, period + 1)
             steps = (windows.max(axis=1) > middle + reach) & (windows.min(axis=1) < middle - reach)
-            straight = np.abs(turn[period:] - turn[:-period]) < _MOST_TURN
-            fit = steps & straight & (cost < _MOST_GAP)
+            straight = np.abs(turn[period:] - turn[:-period]) < (_MOST_TURN if speed is None else _LITTLE_TURN)
+            fit = steps & straight & (cost < _MOST_GAP) & _at_speed(draft, period, speed)
             cost = np.where(fit, cost * (1 + _LENGTH_PENALTY * period / FPS), np.inf)
             first = int(cost.argmin())
             if np.isfinite(cost[first]) and (best is None or cost[first] < best[0]):
                 best = float(cost[first]), Cycle(first, period)
     if best is None:
+        at = "" if speed is None else f" at {speed:.2f} m/s"
         raise MotionError(
-            f"no gait cycle of {_SHORTEST / FPS:.1f} to {_LONGEST / FPS:.1f} s, straight and with a step of each foot,"
-            f" was found in {(len(draft) - 1) / FPS:.2f} s of motion"
+            f"no gait cycle of {_SHORTEST / FPS:.1f} to {_LONGEST / FPS:.1f} s{at}, straight and with a step of"
+            f" each foot, was found in {(len(draft) - 1) / FPS:.2f} s of motion"
         )
     return best[1]
+
+
+def _at_speed(draft: Draft, period: int, speed: float | None) -> NDArray[np.bool_]:
+    """Which stretches (T - period,) of the draft travel at about a speed [m/s]; all of them at None."""
+    travel = np.linalg.norm(draft.qpos[period:, :2] - draft.qpos[:-period, :2], axis=1)
+    if speed is None:
+        return np.ones(len(travel), np.bool_)
+    return np.abs(travel * FPS / period - speed) < _SPEED_RANGE * speed
 
 
 def closed(draft: Draft, cycle: Cycle) -> Draft:

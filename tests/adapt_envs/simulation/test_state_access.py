@@ -15,15 +15,15 @@ def env():
 
 def test_fresh_worlds_stand_in_their_start_states(env):
     reference, states = env.reference_states, env.physics_states
-    assert np.allclose(reference.qpos[env.start_states], states.qpos)
-    assert np.allclose(reference.qvel[env.start_states], states.qvel)
-    assert np.allclose(reference.history[env.start_states], env.link_histories, atol=1e-5)
+    assert np.allclose(reference.qpos[env.worlds.starts], states.qpos)
+    assert np.allclose(reference.qvel[env.worlds.starts], states.qvel)
+    assert np.allclose(reference.history[env.worlds.starts], env.link_histories, atol=1e-5)
     assert len(reference.qpos) == env.worlds.reference.num_states
     assert reference.cyclic
 
 
 def test_what_is_read_is_a_copy(env):
-    read = (*env.physics_states, env.link_histories, *env.goal_states, env.start_states)
+    read = (*env.physics_states, env.link_histories, *env.goal_states)
     before = [part.copy() for part in read]
     env.step(np.zeros(env.action_space.shape, np.float32))
     assert all(np.array_equal(a, b) for a, b in zip(read, before, strict=True))
@@ -35,7 +35,20 @@ def test_single_worlds_restart_where_one_wants(env):
     before, ids = env.physics_states.qpos, np.array([1, 3])
     observations = env.restart(ids, np.array([5, 9]))
     assert observations.shape == (2, 784)
-    assert np.array_equal(env.start_states[ids], [5, 9])
+    assert np.array_equal(env.worlds.starts[ids], [5, 9])
     assert np.allclose(env.physics_states.qpos[ids], env.reference_states.qpos[[5, 9]])
     assert np.array_equal(env.physics_states.qpos[[0, 2]], before[[0, 2]])
     assert np.array_equal(env.worlds.steps, [1, 0, 1, 0])
+
+
+def test_gaits_of_a_long_motion_are_cycles_at_the_wanted_speeds():
+    env = make_vector("AdaptNet/Humanoid-Walk-v0", 1, num_threads=1)
+    gaits = env.reference_gaits([0.6, 1.4, 9.0])
+    assert [round(gait.mean_speed, 1) for gait in gaits] == [0.6, 1.4]
+    for gait in gaits:
+        assert gait.cyclic
+        assert 12 <= len(gait.qpos) <= 90
+        step = np.linalg.norm(np.diff(gait.qpos[:, 7:], axis=0), axis=1)
+        assert np.linalg.norm(gait.qpos[0, 7:] - gait.qpos[-1, 7:]) < 1.5 * step.max()
+    with pytest.raises(ValueError, match="no gait cycle at 9.00 m/s"):
+        env.reference_gaits([9.0])

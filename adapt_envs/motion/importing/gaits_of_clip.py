@@ -1,0 +1,33 @@
+"""Gait cycles at given speeds, cut out of a clip of minutes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from adapt_envs.motion.clip import MotionClip, MotionError
+from adapt_envs.motion.importing.draft import from_poses
+from adapt_envs.motion.importing.gait_cycle import closed, find_cycle
+
+
+def gaits_of(clip: MotionClip, speeds: Sequence[float]) -> list[MotionClip]:
+    """Cycles of a clip that does not repeat, one at about each speed [m/s], each straight ahead along x.
+
+    Speeds that the clip never goes at are left out.
+
+    Raises:
+        MotionError: if it goes at none of them.
+    """
+    draft, found = from_poses(clip.qpos), []
+    for speed in speeds:
+        try:
+            cycle = find_cycle(draft, speed)
+        except MotionError:
+            continue
+        origin = f"{clip.name}, frames {cycle.first} to {cycle.first + cycle.period}"
+        qpos = closed(draft, cycle).qpos.astype(np.float64)
+        qpos[-1, 2:] = qpos[0, 2:]  # all but rounding
+        found.append(MotionClip(f"{clip.name} at {speed:.2f} m/s", qpos, clip.joint_names, cyclic=True, origin=origin))
+    if not found:
+        at = ", ".join(f"{speed:.2f}" for speed in speeds)
+        raise MotionError(f"clip {clip.name!r} holds no gait cycle at {at} m/s")
+    return found
