@@ -66,11 +66,13 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     return sum / 20;
   }
 
-  /** Say how many frames a second the page draws by itself: a figure of this machine, which nothing is asked of. */
+  /** Say how fast the page draws and simulates by itself: figures of this machine, which nothing is asked of. */
   async function reportFrames({ page }: Visit, name: string): Promise<void> {
-    const { frames, seconds } = await page.evaluate(async () => {
+    const { frames, seconds, cost } = await page.evaluate(async () => {
       const [first, start] = [playground.frames, performance.now()];
-      const passed = () => ({ frames: playground.frames - first, seconds: (performance.now() - start) / 1000 });
+      const cost = () => playground.theatre!.simulation.cost;
+      const time = () => (performance.now() - start) / 1000;
+      const passed = () => ({ frames: playground.frames - first, seconds: time(), cost: cost() });
       while (passed().seconds < 4 || (passed().frames < 4 && passed().seconds < 20)) {
         await new Promise((done) => setTimeout(done, 100));
       }
@@ -78,6 +80,7 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     });
     const rate = (frames / seconds).toFixed(1);
     console.log(`${name}: ${rate} frames a second, drawn by the processor (${frames} in ${seconds.toFixed(1)} s)`);
+    console.log(`${name}: both characters' control step takes ${cost.toFixed(1)} ms of the 33 between two`);
   }
 
   /** Colours in a picture of the canvas, and the share of its pixels that are a character's red or blue. */
