@@ -1,6 +1,5 @@
 """The critic: which costs a state leads to. At a window's end it sees what the window is too short for: falls."""
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple, cast
 from weakref import WeakKeyDictionary
@@ -77,13 +76,13 @@ def critic_inputs(
     cos, sin = torch.cos(guided.headings), torch.sin(guided.headings)
     x, y = guided.targets.t() - state.position[:2]
     distance = torch.sqrt(x * x + y * y).clamp_min(_NO_DIRECTION)
-    angle = 2 * math.pi / len(motion) * guided.phases
+    angle, usual = motion.turns[guided.phases], motion.speeds.mean()
     task = [
         3 * (errors.alike - 1),
         2 * errors.turned_left,
         errors.ahead / VELOCITY_SCALE,
         errors.aside / VELOCITY_SCALE,
-        guided.speeds / motion.mean_speed - 1,
+        guided.speeds / usual - 1,
         (cos * x + sin * y) / distance,
         (cos * y - sin * x) / distance,
         torch.tanh(distance),

@@ -3,6 +3,7 @@
 import copy
 import json
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -13,11 +14,15 @@ from numpy.typing import NDArray
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 from stable_baselines3.common.utils import FloatSchedule
+from tqdm import tqdm
 
 from sb3_adaptnet.algorithms.cost_critic import LEARNING_RATE, CostCritic
 from sb3_adaptnet.algorithms.gradient_taming import NormLimit
+from sb3_adaptnet.algorithms.model_fits import fit_anew, record, servo_aims
 from sb3_adaptnet.algorithms.model_refresh import fitted_to
-from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
+from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims
+from sb3_adaptnet.algorithms.svg_settings import ModelFits, ModelRefresh
+from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.weight_average import WeightAverage
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
@@ -25,11 +30,17 @@ from sb3_adaptnet.policies.space_contract import default_base
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.weight_file import CheckpointError
 from sb3_adaptnet.world_model.character import Character
+from sb3_adaptnet.world_model.fitting.collecting import Act
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
+from sb3_adaptnet.world_model.transitions import Transitions
 from sb3_adaptnet.world_model.world_file import beside_base, read_world
 
 ADAM = {"eps": 1e-8, "betas": (0.9, 0.98)}
 """The policy's optimiser: gradients are small, and a rollout's windows resemble each other."""
+
+
+NEW = "new"
+"""In place of a world model's file: begin one from nothing."""
 
 
 class ModelBasedAlgorithm(BaseAlgorithm):
@@ -37,6 +48,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
 
     Attributes:
         world_model: the model, refreshed while the policy learns.
+        world_model_is_new: whether it begins from nothing.
         world_optimizer: Adam for the model.
         critic: which costs a state leads to; frozen, except while it learns.
         critic_optimizer: Adam for the critic.
@@ -55,6 +67,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         world_model: str | Path | WorldModel | None,
         learning_rate: Schedule,
         model_refresh: ModelRefresh,
+        model_fits: ModelFits,
         policy_kwargs: dict[str, Any] | None,
         init_setup_model: bool,
         **settings: Any,
@@ -75,7 +88,8 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             **settings,
         )
         check_schedule("learning_rate", learning_rate)
-        self.model_refresh, self.norm_limit = model_refresh, NormLimit()
+        self.model_refresh, self.model_fits, self.norm_limit = model_refresh, model_fits, NormLimit()
+        self._fits_done, self._recorded = 0, list[Transitions]()
         self._n_updates = 0
         self._average: WeightAverage | None = None
         if init_setup_model:
@@ -83,6 +97,14 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             self._setup_model()
 
     def _open_world_model(self, given: str | Path | WorldModel | None) -> None:
+        self.world_model_is_new = given == NEW
+        if given == NEW:
+            self.world_model = WorldModel(self._character(), Sizes(width=self.model_fits.width))
+        else:
+            self.world_model = self._known_world_model(given)
+        self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
+
+    def _known_world_model(self, given: str | Path | WorldModel | None) -> WorldModel:
         if given is None:
             base = (self.policy_kwargs or {}).get("base") or default_base(self.action_space)
             given = beside_base(base)
@@ -90,8 +112,10 @@ class ModelBasedAlgorithm(BaseAlgorithm):
                 fit = f"fit one by `adaptnet world-model fit {base}`, and name its file"
                 raise CheckpointError(f"{str(base)!r} has no {given.name} beside it: {fit}")
         model = copy.deepcopy(given) if isinstance(given, WorldModel) else read_world(given).model
-        self.world_model = fitted_to(model, Character.of(self._worlds_of_env().simulation.model))
-        self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
+        return fitted_to(model, self._character())
+
+    def _character(self) -> Character:
+        return Character.of(self._worlds_of_env().simulation.model)
 
     def _worlds_of_env(self) -> AdaptVecEnv:
         if not isinstance(self.env, AdaptVecEnv) or not isinstance(self.observation_space, spaces.Box):
@@ -115,6 +139,35 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.world_optimizer = torch.optim.Adam(self.world_model.parameters(), lr=rate)
         self.critic = CostCritic(self.world_model).to(self.device).requires_grad_(False)
         self.critic_optimizer = torch.optim.Adam(self.critic.parameters(), lr=LEARNING_RATE)
+
+    def model_fit_is_due(self) -> bool:
+        """Whether a new world model has to be fitted now."""
+        return self.world_model_is_new and self.model_fits.due(self._fits_done, self.num_timesteps)
+
+    def _begin(self, env: AdaptVecEnv, motion: TrackedMotion, updates: int, progress_bar: bool) -> float:
+        """What comes before the first rollout: input statistics and a first model where there are none, and a guess.
+
+        Returns:
+            The guess's error; see `regress_to_servo_aims`.
+        """
+        if self.policy.knows_nothing or self.model_fit_is_due():
+            observations = self._fit_model(env, servo_aims(motion), progress_bar)
+            if self.policy.knows_nothing:
+                self.policy.learn_statistics(torch.as_tensor(observations, device=self.device))
+        return regress_to_servo_aims(self.policy, motion, env.simulation.goal_states.speed, updates, self.rng)
+
+    def _fit_model(self, env: AdaptVecEnv, act: Act, progress_bar: bool) -> NDArray[np.float32]:
+        """Record what a policy does, disturbed, and fit a model that is new; returns observations (n, 784) of it."""
+        data, observations = record(env, act, self.model_fits.steps, self.rng)
+        self.num_timesteps += data.actions.shape[0] * data.num_worlds
+        if self.world_model_is_new:
+            self._recorded.append(data)
+            self.world_model.dynamics.precision = self.policy.precision
+            effort = self.model_fits.effort(self._fits_done)
+            bar = partial(tqdm, desc="world model", unit=" updates", disable=not progress_bar, leave=False)
+            fit_anew(self.world_model, Transitions.together(self._recorded), effort, self.rng, bar)
+            self._fits_done += 1
+        return observations
 
     @property
     def weight_average(self) -> WeightAverage:
@@ -145,6 +198,9 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         with self.weight_average.acting():
             return super().predict(*args, **kwargs)
 
+    def _steady_action(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
+        return self.predict(observations, deterministic=True)[0]
+
     def save(self, *args: Any, **kwargs: Any) -> None:
         """Save, with the average as the policy; as in Stable-Baselines3."""
         with self.weight_average.acting():
@@ -159,6 +215,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             "gradient_norm": self.norm_limit.mean,
             "critic": self.critic.state_dict(),
             "critic_optimizer": self.critic_optimizer.state_dict(),
+            "fits_done": self._fits_done,
             "rng": json.dumps(self.rng.bit_generator.state),
         }
 
@@ -170,10 +227,11 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.norm_limit.mean = state["gradient_norm"]
         self.critic.load_state_dict(state["critic"])
         self.critic_optimizer.load_state_dict(state["critic_optimizer"])
+        self._fits_done = state["fits_done"]
         self.rng.bit_generator.state = json.loads(state["rng"])
 
     def _excluded_save_params(self) -> list[str]:
-        return [*super()._excluded_save_params(), "_average"]
+        return [*super()._excluded_save_params(), "_average", "_recorded"]
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
         learning = ["policy", "weight_average", "world_model", "critic"]

@@ -45,8 +45,9 @@ def regress_to_servo_aims(
     optimizer = torch.optim.Adam(parameters, lr=LEARNING_RATE)
     spread, loss = NOISE * motion.frames.std(0), torch.zeros(())
     for _ in range(updates):
-        phases = rng.integers(len(motion), size=BATCH)
-        body, goal = motion.frames[phases], _goals(rng.choice(speeds, BATCH), rng)
+        wanted = rng.choice(speeds, BATCH)
+        phases = motion.gaits.at_speeds(rng.integers(len(motion), size=BATCH), wanted)
+        body, goal = motion.frames[phases], _goals(wanted, rng)
         noise = rng.standard_normal(body.shape) * (rng.random((BATCH, 1)) < NOISY_SHARE)
         body = body + spread * torch.as_tensor(noise, dtype=body.dtype, device=body.device)
         observations = torch.cat((body, torch.as_tensor(goal, dtype=body.dtype, device=body.device)), dim=1)

@@ -16,21 +16,21 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
+from sb3_adaptnet.algorithms import svg_settings as groups
 from sb3_adaptnet.algorithms.cost_critic import RECENT_AT_FIRST, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
 from sb3_adaptnet.algorithms.model_refresh import refresh
 from sb3_adaptnet.algorithms.real_rollout import RealRollout, RolloutRecorder
-from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims
 from sb3_adaptnet.algorithms.svg_log import record_rollout, record_times
 from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss
-from sb3_adaptnet.algorithms.svg_settings import CostToGo, Episodes, Exploration, LossWeights, ModelRefresh, grouped
 from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
 from sb3_adaptnet.algorithms.tracking.guide import Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.objectives.schedule import Schedule
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.world_model.model import WorldModel
 
 
@@ -56,12 +56,13 @@ class SVG(ModelBasedAlgorithm):
         recent_rollouts: int = 3,
         regression_updates: int = 300,
         average_decay: float = 0.98,
-        episodes: Episodes | Mapping[str, Any] | None = None,
+        episodes: groups.Episodes | Mapping[str, Any] | None = None,
         guiding: Guiding | Mapping[str, Any] | None = None,
-        exploration: Exploration | Mapping[str, Any] | None = None,
-        model_refresh: ModelRefresh | Mapping[str, Any] | None = None,
-        loss_weights: LossWeights | Mapping[str, Any] | None = None,
-        cost_to_go: CostToGo | Mapping[str, Any] | None = None,
+        exploration: groups.Exploration | Mapping[str, Any] | None = None,
+        model_refresh: groups.ModelRefresh | Mapping[str, Any] | None = None,
+        model_fits: groups.ModelFits | Mapping[str, Any] | None = None,
+        loss_weights: groups.LossWeights | Mapping[str, Any] | None = None,
+        cost_to_go: groups.CostToGo | Mapping[str, Any] | None = None,
         stats_window_size: int = 100,
         tensorboard_log: str | None = None,
         policy_kwargs: dict[str, Any] | None = None,
@@ -75,7 +76,8 @@ class SVG(ModelBasedAlgorithm):
         Args:
             policy: a policy of this package, such as `AdaptNetPolicy`.
             env: an `AdaptVecEnv` on flat ground.
-            world_model: the character's model, or its file; None for `BASE.world.safetensors` beside the policy's base.
+            world_model: the character's model, or its file; None for `BASE.world.safetensors` beside the policy's base;
+                "new" for one that begins from nothing, as a policy without a base does.
             learning_rate: of the policy; a number, or samples -> number.
             n_steps: control steps of a rollout.
             window: control steps that gradients pass through.
@@ -88,6 +90,7 @@ class SVG(ModelBasedAlgorithm):
             guiding: how the reference leads the characters to their goals.
             exploration: noise on the actions.
             model_refresh: how the model keeps up.
+            model_fits: how a new model begins.
             loss_weights: of the loss's parts.
             cost_to_go: the critic of what comes after a window.
             stats_window_size: episodes that the logged means are of.
@@ -104,7 +107,8 @@ class SVG(ModelBasedAlgorithm):
             CheckpointError: for a model's file that cannot be read.
         """
         super().__init__(
-            policy, env, world_model, learning_rate, grouped(ModelRefresh, model_refresh), policy_kwargs,
+            policy, env, world_model, learning_rate, groups.grouped(groups.ModelRefresh, model_refresh),
+            groups.grouped(groups.ModelFits, model_fits), policy_kwargs,
             stats_window_size=stats_window_size, tensorboard_log=tensorboard_log, verbose=verbose, device=device,
             seed=seed, init_setup_model=_init_setup_model,
         )  # fmt: skip
@@ -113,11 +117,11 @@ class SVG(ModelBasedAlgorithm):
         self.n_steps, self.window, self.gradient_steps = n_steps, window, gradient_steps
         self.recent_rollouts, self.regression_updates = recent_rollouts, regression_updates
         self.average_decay = average_decay
-        self.episodes = grouped(Episodes, episodes)
-        self.guiding = grouped(Guiding, guiding)
-        self.exploration = grouped(Exploration, exploration)
-        self.loss_weights = grouped(LossWeights, loss_weights)
-        self.cost_to_go = grouped(CostToGo, cost_to_go)
+        self.episodes = groups.grouped(groups.Episodes, episodes)
+        self.guiding = groups.grouped(Guiding, guiding)
+        self.exploration = groups.grouped(groups.Exploration, exploration)
+        self.loss_weights = groups.grouped(groups.LossWeights, loss_weights)
+        self.cost_to_go = groups.grouped(groups.CostToGo, cost_to_go)
         self.taming = GradientTaming()
 
     def learn(
@@ -130,24 +134,26 @@ class SVG(ModelBasedAlgorithm):
         progress_bar: bool = False,
     ) -> Self:
         """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
-        self._last_obs = None  # worlds and their guides begin together
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
         env = self._worlds_of_env()
-        reference = env.simulation.reference_states._asdict()
-        self.motion = TrackedMotion.of(self.world_model.character, self.device, **reference)
-        self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.guiding, self.rng)
-        self._worlds.schedule(self.num_timesteps)
-        self._worlds.begin()
-        kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT_AT_FIRST)
-        self._rollouts = deque[RealRollout](maxlen=kept)
+        gaits, simulation = self.guiding.gaits, env.simulation
+        references = simulation.reference_gaits(gaits) if gaits else [simulation.reference_states]
+        self.motion = TrackedMotion.of(self.world_model.character, self.device, references)
+        callbacks.on_training_start(locals(), globals())
+        if self._n_updates == 0:
+            error = self._begin(env, self.motion, self.regression_updates, progress_bar)
+            self.logger.record("svg/first_guess_error", error)
         self._critic_training = CriticTraining(
             self.critic, self.critic_optimizer, self.world_model, self.motion, self.loss_weights, self.cost_to_go
         )
-        callbacks.on_training_start(locals(), globals())
-        if self._n_updates == 0:
-            self._guess()
+        self._set_out(env)
         iteration = 0
-        while self.num_timesteps < total and self.collect_rollout(callbacks):
+        while self.num_timesteps < total:
+            if self.model_fit_is_due():
+                self._fit_model(env, self._steady_action, progress_bar)
+                self._set_out(env)
+            if not self.collect_rollout(callbacks):
+                break
             iteration += 1
             self._update_current_progress_remaining(self.num_timesteps, total)
             self.train()
@@ -156,10 +162,14 @@ class SVG(ModelBasedAlgorithm):
         callbacks.on_training_end()
         return self
 
-    def _guess(self) -> None:
-        speeds = self._worlds.env.simulation.goal_states.speed
-        error = regress_to_servo_aims(self.policy, self.motion, speeds, self.regression_updates, self.rng)
-        self.logger.record("svg/first_guess_error", error)
+    def _set_out(self, env: AdaptVecEnv) -> None:
+        """Begin new episodes in all worlds, with guides, and forget past rollouts."""
+        self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.guiding, self.rng)
+        self._worlds.schedule(self.num_timesteps)
+        self._last_obs = observations = cast(NDArray[np.float32], env.reset())  # an array: there is no heightmap
+        self._worlds.begin(observations)
+        kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT_AT_FIRST)
+        self._rollouts = deque[RealRollout](maxlen=kept)
 
     def collect_rollout(self, callback: BaseCallback) -> bool:
         """Act in all worlds for `n_steps` control steps; returns whether the callbacks want to go on."""
@@ -193,8 +203,7 @@ class SVG(ModelBasedAlgorithm):
     def _act(self, observations: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Actions (N, J) and the noise that is in them."""
         mean = self._mean_action(torch.as_tensor(observations, device=self.device)).cpu().numpy()
-        noisy = self.rng.random((len(mean), 1)) < self.exploration.share
-        noise = (self.exploration.std * self.rng.standard_normal(mean.shape) * noisy).astype(np.float32)
+        noise = self.exploration.noise(mean.shape, self.rng)
         return np.clip(mean + noise, -1, 1), noise
 
     def _mean_action(self, observations: torch.Tensor) -> torch.Tensor:

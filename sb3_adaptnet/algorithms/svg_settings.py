@@ -1,8 +1,11 @@
 """What one may choose of SVG, in groups; a YAML entry gives each group as a mapping."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
 from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
@@ -60,6 +63,11 @@ class Exploration:
     std: float = 0.05
     share: float = 0.8
 
+    def noise(self, shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float32]:
+        """Sample it for actions of shape (N, J)."""
+        noisy = rng.random((shape[0], 1)) < self.share
+        return (self.std * rng.standard_normal(shape) * noisy).astype(np.float32)
+
 
 @dataclass(frozen=True)
 class ModelRefresh:
@@ -76,6 +84,42 @@ class ModelRefresh:
     updates: int = 3
     batch: int = 1024
     rollouts: int = 12
+
+
+@dataclass(frozen=True)
+class ModelFits:
+    """How a world model begins from nothing.
+
+    Attributes:
+        efforts: samples from which on it is fitted, each time from its first weights to all that was recorded, and a
+            factor on the number of updates of a model that ships (1200 of one step and 900 of several). The first fit
+            is to servos that follow the motion alone, later ones also to the policy; they must come before the critic.
+        steps: control steps of every world that are recorded for a fit; they count as samples.
+        width: of the network.
+    """
+
+    efforts: Mapping[int, float] = field(default_factory=lambda: {0: 0.3})
+    steps: int = 600
+    width: int = 1024
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            ValueError: unless the first fit comes first, and steps, width and efforts are positive.
+        """
+        if not self.efforts or min(self.efforts) != 0:
+            raise ValueError(f"the first fit of a new world model is due at 0 samples, not {dict(self.efforts)}")
+        if self.steps < 1 or self.width < 1 or min(self.efforts.values()) <= 0:
+            raise ValueError(f"steps, width and efforts must be positive, not {self}")
+
+    def due(self, done: int, samples: int) -> bool:
+        """Whether a fit is due after so many samples, when `done` were made."""
+        return done < len(self.efforts) and samples >= sorted(self.efforts)[done]
+
+    def effort(self, done: int) -> float:
+        """What the fit after `done` others is worth."""
+        return self.efforts[sorted(self.efforts)[done]]
 
 
 @dataclass(frozen=True)

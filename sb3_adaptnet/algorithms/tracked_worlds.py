@@ -69,12 +69,12 @@ class TrackedWorlds:
             guiding: how they are led.
             rng: source of the numbers of steps.
         """
-        self.env, self.guide, self.rng = env, Guide(motion, env.num_envs, guiding.longest_lead), rng
+        self.env, self.rng = env, rng
+        self.guide = Guide(motion, env.num_envs, guiding.longest_lead)
         self.error_limit = np.inf
         self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []
         self._episodes, self._guiding = episodes, guiding
-        self._fastest_turn = guiding.turn_per_footstep * motion.footsteps
         self._ages = np.zeros(env.num_envs, np.int64)
         self._limits = np.zeros(env.num_envs, np.int64)
         self._all = np.arange(env.num_envs)
@@ -82,20 +82,22 @@ class TrackedWorlds:
     def schedule(self, samples: int) -> None:
         """Put what changes while learning to its values after so many samples."""
         episodes, guiding, guide = self._episodes, self._guiding, self.guide
-        guide.fastest_turn = min(value_at(guiding.turn_rate, samples), self._fastest_turn)
+        footsteps = guide.motion.gaits.footsteps[guide.motion.gaits.of(guide.phases)]
+        guide.fastest_turn = np.minimum(value_at(guiding.turn_rate, samples), guiding.turn_per_footstep * footsteps)
+        guide.turn_acceleration = value_at(guiding.turn_acceleration, samples)
+        guide.turn_gain = value_at(guiding.turn_gain, samples)
         guide.least_style = value_at(guiding.least_style, samples)
         self.error_limit = value_at(episodes.error_limit, samples)
         self.loose = self._all < value_at(episodes.loose_share, samples) * len(self._all)
         spreads = value_at(episodes.goal_spread, samples), value_at(episodes.loose_goal_spread, samples)
         self.env.set_attr("goal_spread", np.where(self.loose, spreads[1], spreads[0]))
 
-    def begin(self) -> None:
-        """Guide all worlds from where the environment's reset put them."""
-        self._follow(self._all)
+    def begin(self, observations: NDArray[np.float32]) -> None:
+        """Guide all worlds from where the environment's reset put them; observations (N, 784)."""
+        self._follow(self._all, self.guide.motion.seen_in(observations))
 
-    def _follow(self, ids: NDArray[np.integer]) -> None:
-        starts = self.env.simulation.start_states[ids]
-        self.guide.restart(ids, starts, self._root_headings())
+    def _follow(self, ids: NDArray[np.integer], seen: NDArray[np.float32]) -> None:
+        self.guide.restart(ids, seen, self._root_headings())
         lengths = np.where(self.loose[ids, None], self._episodes.loose_steps, self._episodes.steps)
         self._ages[ids], self._limits[ids] = 0, self.rng.integers(lengths[:, 0], lengths[:, 1] + 1)
 
@@ -117,15 +119,8 @@ class TrackedWorlds:
 
     def resynchronise(self, observations: NDArray[np.float32]) -> None:
         """Put the guides to the phases that the worlds are in, and forget the lengths of past episodes."""
-        self.guide.resynchronise(self._positions(observations))
+        self.guide.resynchronise(self.guide.motion.seen_in(observations))
         self.lengths = []
-
-    def _positions(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
-        """(N, L, 3) positions of the links [m], heading frame, from observations (N, 784)."""
-        links = self.guide.motion.positions.shape[1]
-        size = links * 13
-        latest = observations[:, (OBSERVED_FRAMES - 1) * size : OBSERVED_FRAMES * size]
-        return latest.reshape(-1, links, 13)[..., :3]
 
     def step(self, actions: NDArray[np.float32]) -> TrackedStep:
         """Advance all worlds and their guides by one control step; worlds that ended have begun again."""
@@ -136,7 +131,7 @@ class TrackedWorlds:
         root_xy, goals = simulation.physics_states.qpos[:, :2], simulation.goal_states
         self.guide.advance(goals.target - root_xy, self._root_headings(), goals.speed)
         guidance = self.guide.now
-        errors = np.where(dones, np.nan, self.guide.errors(self._positions(observations)))
+        errors = np.where(dones, np.nan, self.guide.errors(self.guide.motion.seen_in(observations)))
         failed = errors > self._error_limits()
         stopped = np.flatnonzero(~dones & ((self._ages >= self._limits) | failed))
         if len(stopped):
@@ -146,7 +141,7 @@ class TrackedWorlds:
         ended = dones.copy()
         ended[stopped] = True
         self.lengths.extend(self._ages[ended].tolist())
-        self._follow(np.flatnonzero(ended))
+        self._follow(np.flatnonzero(ended), self.guide.motion.seen_in(observations))
         return TrackedStep(observations, rewards, dones, infos, ended, failed, guidance, errors)
 
     def _error_limits(self) -> NDArray[np.floating]:

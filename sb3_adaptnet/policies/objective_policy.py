@@ -99,6 +99,17 @@ class ObjectivePolicy(AssembledPolicy):
         for normalizer in self._normalizers():
             normalizer.observe(moments)
 
+    @property
+    def knows_nothing(self) -> bool:
+        """Whether a normaliser of its inputs has yet to see the first one."""
+        return any(bool(normalizer.count == 0) for normalizer in self._normalizers())
+
+    def learn_statistics(self, obs: PyTorchObs) -> None:
+        """Collect the input statistics of observations (B, 784), and use them from now on."""
+        self._observe(self._split(obs))
+        for normalizer in self._normalizers():
+            normalizer.apply_statistics()
+
     def forward(self, obs: PyTorchObs, deterministic: bool = False) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """Act while samples are collected.
 

@@ -1,8 +1,8 @@
 """Fitting the world model of a base from nothing: data, stages, errors, file."""
 
 import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from sb3_adaptnet.policies.loading import load_policy
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.fitting.collecting import Act, collect
 from sb3_adaptnet.world_model.fitting.error_table import ErrorTable, error_table
-from sb3_adaptnet.world_model.fitting.fit import STAGES, Stage, fit, set_statistics
+from sb3_adaptnet.world_model.fitting.fit import STAGES, fit, scaled, set_statistics
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions
 from sb3_adaptnet.world_model.world_file import save_world
@@ -131,8 +131,3 @@ def fit_stages(
             next(losses)
         report(f"after {stage.updates:,} updates of {stage.steps} steps\n{error_table(model, judged)}")
     return error_table(model, judged)
-
-
-def scaled(stages: Iterable[Stage], effort: float) -> list[Stage]:
-    """Stages with `effort` times as many updates, at least one each."""
-    return [replace(stage, updates=max(1, round(effort * stage.updates))) for stage in stages]

@@ -1,5 +1,6 @@
 """Recorded transitions of many worlds, from which models are fitted and along which slopes are taken."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -62,6 +63,12 @@ class Transitions:
             raise ValueError(f"every {held_out}th of {self.num_worlds} worlds cannot be held out")
         apart = np.arange(self.num_worlds) % held_out == 0
         return self._of(~apart), self._of(apart)
+
+    @staticmethod
+    def together(parts: Sequence["Transitions"]) -> "Transitions":
+        """Records of equally many steps as one, of all their worlds."""
+        names = ("qpos", "qvel", "actions", "ended")
+        return Transitions(*(np.concatenate([getattr(part, name) for part in parts], axis=1) for name in names))
 
     def _of(self, worlds: NDArray[np.bool_]) -> "Transitions":
         return Transitions(self.qpos[:, worlds], self.qvel[:, worlds], self.actions[:, worlds], self.ended[:, worlds])

@@ -9,10 +9,6 @@ from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule
 from sb3_adaptnet.world_model.integration import CONTROL_DT
 
-TURN_ACCELERATION = 3.0
-"""How fast the turn rate may change [rad/s^2]."""
-TURN_GAIN = 2.0
-"""Turn rate per angle left to turn [1/s]."""
 NEAR, FAR = 0.3, 0.7
 """Distances to the target [m] within which the guide keeps its direction, and from which it turns as fast as it may."""
 STYLE_AT_REST, STYLE_ANGLE = 1.3, 0.8
@@ -38,6 +34,10 @@ class Guiding:
     Attributes:
         turn_rate: at most so fast the reference turns towards the goal [rad/s].
         turn_per_footstep: at most so far it turns per footstep [rad]: no style turns faster than it sets its feet.
+        turn_acceleration: how fast the turn rate may change [rad/s^2].
+        turn_gain: turn rate at most, per angle left to turn [1/s].
+        gaits: speeds [m/s] of the gait cycles that are cut out of a motion of minutes, one for each range of preferred
+            speeds; without any the motion is followed from its first state to its last.
         longest_lead: how far [rad] it may be ahead of the character's own direction; then it waits. With 0.6 it cost
             too little not to turn.
         least_style: what the style's loss is worth at least while the character turns; 1 for its full worth. A clip
@@ -46,19 +46,26 @@ class Guiding:
 
     turn_rate: Schedule = 1.2
     turn_per_footstep: float = 0.8
+    turn_acceleration: Schedule = 3.0
+    turn_gain: Schedule = 2.0
     longest_lead: float = 1.5
+    gaits: tuple[float, ...] = ()
     least_style: Schedule = 0.2
 
     def __post_init__(self) -> None:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative rate or worth, or a turn or lead that is not positive.
+            ValueError: for a negative rate, acceleration, gain or worth, or a turn, lead or speed that is not positive.
         """
         check_schedule("turn_rate", self.turn_rate)
         check_schedule("least_style", self.least_style)
+        check_schedule("turn_acceleration", self.turn_acceleration)
+        check_schedule("turn_gain", self.turn_gain)
         if not (self.turn_per_footstep > 0 and self.longest_lead > 0):
             raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
+        if any(speed <= 0 for speed in self.gaits):
+            raise ValueError(f"gaits are speeds above 0 m/s, not {list(self.gaits)}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +92,8 @@ class Guide:
         motion: what they show.
         phases, headings, turn_rates, style: as in `Guidance`.
         calm_steps: (N,) control steps since the character last turned.
-        fastest_turn: largest turn rate [rad/s].
-        least_style: as in `Guiding`.
+        fastest_turn: largest turn rate [rad/s], for all or (N,).
+        turn_acceleration, turn_gain, least_style: as in `Guiding`, now.
     """
 
     def __init__(self, motion: TrackedMotion, num_worlds: int, longest_lead: float = 1.5) -> None:
@@ -97,7 +104,8 @@ class Guide:
         self.turn_rates = np.zeros(num_worlds)
         self.style = np.ones(num_worlds)
         self.calm_steps = np.full(num_worlds, _LONG_CALM)
-        self.fastest_turn, self.least_style = 0.0, 1.0
+        self.fastest_turn: float | NDArray[np.floating] = 0.0
+        self.turn_acceleration, self.turn_gain, self.least_style = 3.0, 2.0, 1.0
         self._between = np.zeros(num_worlds)  # how far each guide is beyond its phase, -0.5 to 0.5
         self._facing = motion.facing.cpu().numpy()
 
@@ -107,11 +115,12 @@ class Guide:
         headings, rates = self.headings.astype(np.float32), self.turn_rates.astype(np.float32)
         return Guidance(self.phases.copy(), headings, rates, self.style.astype(np.float32))
 
-    def restart(
-        self, ids: NDArray[np.integer], phases: NDArray[np.integer], root_heading: NDArray[np.floating]
-    ) -> None:
-        """Guide the worlds `ids` from these phases (n,) on, in the directions that their roots' headings (N,) imply."""
-        self.phases[ids] = phases
+    def restart(self, ids: NDArray[np.integer], seen: NDArray[np.floating], root_heading: NDArray[np.floating]) -> None:
+        """Guide the worlds `ids` from where they are, in the directions that their roots' headings (N,) imply.
+
+        `seen` are the states of all worlds' links (N, L, 6), as `TrackedMotion.seen` has them.
+        """
+        self.phases[ids] = self.motion.nearest(seen[ids])
         self.headings[ids] = (root_heading - self._facing[self.phases])[ids]
         self.turn_rates[ids], self._between[ids] = 0, 0
         self.style[ids], self.calm_steps[ids] = 1, _LONG_CALM
@@ -129,39 +138,51 @@ class Guide:
         self._advance_phases(speeds)
         travel, target = root_heading - self._facing[self.phases], np.arctan2(to_target[:, 1], to_target[:, 0])
         far = np.clip((np.hypot(*to_target.T) - NEAR) / (FAR - NEAR), 0, 1)
-        wanted = TURN_GAIN * _wrapped(target - self.headings)
-        wanted = np.clip(wanted, -self.fastest_turn, self.fastest_turn) * far
-        most = TURN_ACCELERATION * CONTROL_DT
+        wanted = self._wanted_turn(_wrapped(target - self.headings)) * far
+        most = self.turn_acceleration * CONTROL_DT
         self.turn_rates += np.clip(wanted - self.turn_rates, -most, most)
         self.headings += CONTROL_DT * self.turn_rates
         lead = _wrapped(self.headings - travel)
         self.headings -= lead - np.clip(lead, -self.longest_lead, self.longest_lead)
         self._weigh_style(np.abs(_wrapped(target - travel)) * far)
 
+    def _wanted_turn(self, left: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Turn rates (N,) for angles (N,) left to turn, from which the turns can still be ended in time."""
+        in_time = np.sqrt(2 * self.turn_acceleration * np.abs(left))
+        rate = np.minimum(self.turn_gain * np.abs(left), np.minimum(in_time, self.fastest_turn))
+        return np.asarray(np.sign(left) * rate)
+
     def _advance_phases(self, speeds: NDArray[np.floating]) -> None:
-        tempo = np.clip((speeds / self.motion.mean_speed) ** TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO)
-        clock = self.phases + self._between + tempo
-        phases = np.rint(clock).astype(np.int64)
-        self.phases, self._between = self.motion.wrapped(phases), clock - phases
+        gaits = self.motion.gaits
+        self.phases = gaits.at_speeds(self.phases, speeds)
+        usual = gaits.speeds[gaits.of(self.phases)]
+        clock = self._between + np.clip((speeds / usual) ** TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO)
+        whole = np.rint(clock).astype(np.int64)
+        self.phases, self._between = gaits.shifted(self.phases, whole), clock - whole
 
     def _weigh_style(self, angles: NDArray[np.floating]) -> None:
         """By the angles (N,) [rad], not negative, between travel and target."""
         self.style = np.clip(STYLE_AT_REST - angles / STYLE_ANGLE, self.least_style, 1.0)
         self.calm_steps = np.where(self.style < CALM_STYLE, 0, self.calm_steps + 1)
 
-    def errors(self, positions: NDArray[np.floating]) -> NDArray[np.floating]:
-        """(N,) mean distance [m] of the links at positions (N, L, 3), heading frame, from the guides' phases."""
-        return np.linalg.norm(positions - self.motion.positions[self.phases], axis=-1).mean(axis=-1)
+    def errors(self, seen: NDArray[np.floating]) -> NDArray[np.floating]:
+        """(N,) mean distance [m] of the links, as `seen` (N, L, 6), from the guides' phases."""
+        return _distance(seen, self.motion.seen[self.phases])
 
-    def resynchronise(self, positions: NDArray[np.floating]) -> None:
-        """Put every guide to the best phase near its own, by the links' positions (N, L, 3), heading frame."""
+    def resynchronise(self, seen: NDArray[np.floating]) -> None:
+        """Put every guide to the best phase near its own, given the links as `seen` (N, L, 6)."""
         shifts = np.arange(-WIDE_REACH, WIDE_REACH + 1)
-        candidates = self.motion.wrapped(self.phases[:, None] + shifts)
-        errors = np.linalg.norm(positions[:, None] - self.motion.positions[candidates], axis=-1).mean(axis=-1)
+        candidates = self.motion.gaits.shifted(self.phases[:, None], shifts)
+        errors = _distance(seen[:, None], self.motion.seen[candidates])
         found = errors[:, WIDE_REACH] <= LOST
         beyond = found[:, None] & (np.abs(shifts) > REACH)
         costs = np.where(beyond, np.inf, errors + PHASE_COST * np.abs(shifts))
         self.phases = candidates[np.arange(len(candidates)), costs.argmin(axis=1)]
+
+
+def _distance(seen: NDArray[np.floating], there: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Mean distance [m] of the positions (..., L, 3) in (..., L, 6)."""
+    return np.asarray(np.linalg.norm(seen[..., :3] - there[..., :3], axis=-1).mean(axis=-1))
 
 
 def _wrapped(angle: NDArray[np.floating]) -> NDArray[np.floating]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import torch
 
+from sb3_adaptnet.algorithms.tracking.soles import corner_motion
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.links import ORIENTATION, POSITION, SPIN, VELOCITY
 from sb3_adaptnet.world_model.pseudo_huber import pseudo_huber
@@ -11,6 +12,9 @@ from sb3_adaptnet.world_model.state import State
 
 POSITION_SCALE, ORIENTATION_SCALE, VELOCITY_SCALE, SPIN_SCALE, ANGLE_SCALE = 0.1, 0.4, 1.0, 4.0, 0.25
 """Errors [m, rad, m/s, rad/s, rad] from which on the loss grows straight."""
+
+SLIP_SCALE = 0.1
+"""Speed of a sole [m/s] from which on its loss grows straight."""
 
 
 @dataclass(frozen=True)
@@ -20,6 +24,7 @@ class TrackingWeights:
     Attributes:
         position, orientation, velocity, spin: of the links.
         angle: of the joints.
+        footing: of speeds over the ground where the reference's soles stand.
     """
 
     position: float = 1.0
@@ -27,6 +32,7 @@ class TrackingWeights:
     velocity: float = 0.3
     spin: float = 0.1
     angle: float = 1.0
+    footing: float = 0.0
 
 
 def tracking_loss(
@@ -58,6 +64,8 @@ def tracking_loss(
         "spin": pseudo_huber(error[SPIN].square().sum(0), SPIN_SCALE).mean(0),
         "angle": _angle_loss(state, motion, phases),
     }
+    if weights.footing > 0:
+        squares["footing"] = _footing_loss(links, motion, phases)
     total = torch.zeros_like(turn_rates)
     for name, value in squares.items():
         total = total + getattr(weights, name) * value
@@ -67,6 +75,11 @@ def tracking_loss(
 def _angle_loss(state: State, motion: TrackedMotion, phases: torch.Tensor) -> torch.Tensor:
     square = (state.angles - motion.angles[:, phases]).square()
     return (motion.joint_weights * pseudo_huber(square, ANGLE_SCALE)).mean(0)
+
+
+def _footing_loss(links: torch.Tensor, motion: TrackedMotion, phases: torch.Tensor) -> torch.Tensor:
+    _, square = corner_motion(links, motion.corners)
+    return (motion.standing[:, phases] * pseudo_huber(square, SLIP_SCALE)).mean(0)
 
 
 def turned(links: torch.Tensor, turn_rates: torch.Tensor) -> torch.Tensor:

@@ -61,7 +61,7 @@ def travel_errors(
     """
     cos, sin, facing = torch.cos(headings), torch.sin(headings), motion.facing[phases]
     ahead, aside = cos * velocity[0] + sin * velocity[1], cos * velocity[1] - sin * velocity[0]
-    wanted = motion.velocity[:, phases] * (speeds / motion.mean_speed)
+    wanted = motion.velocity[:, phases] * (speeds / motion.speeds[phases])
     along, across = view.cos * cos + view.sin * sin, view.sin * cos - view.cos * sin
     cos, sin = torch.cos(facing), torch.sin(facing)
     return TravelErrors(ahead - wanted[0], aside - wanted[1], along * cos + across * sin, across * cos - along * sin)

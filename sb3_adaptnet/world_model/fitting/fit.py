@@ -1,7 +1,7 @@
 """Fitting a world model to transitions: of one step, then of several in a row."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -48,6 +48,11 @@ STAGES = (
     Stage(steps=8, updates=400, batch=512, first_rate=3e-4, last_rate=1e-4),
 )
 """The fit of a model that ships: one step first, where data count, then several, where errors add up."""
+
+
+def scaled(stages: Iterable[Stage], effort: float) -> list[Stage]:
+    """Stages with `effort` times as many updates, at least one each."""
+    return [replace(stage, updates=max(1, round(effort * stage.updates))) for stage in stages]
 
 
 def set_statistics(model: WorldModel, data: Transitions, rng: np.random.Generator) -> None:

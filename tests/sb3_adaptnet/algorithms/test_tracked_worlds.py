@@ -18,12 +18,12 @@ WORLDS = 20
 def make_worlds():
     def make(guiding=None, **episodes):
         env = AdaptVecEnv("AdaptNet/Humanoid-GooseStep-v0", num_envs=WORLDS, num_threads=1, seed=0)
-        env.reset()
-        character, reference = Character.of(env.simulation.model), env.simulation.reference_states._asdict()
-        motion = TrackedMotion.of(character, torch.device("cpu"), **reference)
+        observations = env.reset()
+        character, reference = Character.of(env.simulation.model), env.simulation.reference_states
+        motion = TrackedMotion.of(character, torch.device("cpu"), [reference])
         worlds = TrackedWorlds(env, motion, Episodes(**episodes), guiding or Guiding(), np.random.default_rng(0))
         worlds.schedule(0)
-        worlds.begin()
+        worlds.begin(observations)
         return worlds
 
     return make
@@ -67,9 +67,12 @@ def test_the_tight_limit_waits_until_a_world_is_calm(make_worlds):
 def test_schedules_follow_the_samples(make_worlds):
     guiding = Guiding(turn_rate={0: 0.2, 100: 9.0}, least_style={0: 1.0, 100: 0.2})
     worlds = make_worlds(guiding, error_limit={0: 0.3, 100: 0.1}, goal_spread={0: 0.0, 100: 1.0}, loose_share={100: 0})
-    assert (worlds.guide.fastest_turn, worlds.guide.least_style, worlds.error_limit) == (0.2, 1.0, 0.3)
+    assert np.all(worlds.guide.fastest_turn == 0.2)
+    assert (worlds.guide.least_style, worlds.error_limit) == (1.0, 0.3)
     worlds.schedule(100)
-    assert worlds.guide.fastest_turn == pytest.approx(0.8 * 2 / 2.2)  # a stride of the clip takes 2.2 s
+    assert worlds.guide.fastest_turn == pytest.approx(
+        np.full(WORLDS, 0.8 * 2 / 2.2)
+    )  # a stride of the clip takes 2.2 s
     assert worlds.guide.least_style == pytest.approx(0.2)
     assert worlds.error_limit == pytest.approx(0.1)
     worlds.schedule(50)

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from adapt_envs import make_vector
-from sb3_adaptnet.algorithms.tracking.guide import CONTROL_DT, TURN_ACCELERATION, Guide, Guiding
+from sb3_adaptnet.algorithms.tracking.guide import CONTROL_DT, Guide, Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.character import Character
 
@@ -13,15 +13,15 @@ from sb3_adaptnet.world_model.character import Character
 @pytest.fixture
 def guide():
     env = make_vector("AdaptNet/Humanoid-GooseStep-v0", 1)
-    motion = TrackedMotion.of(Character.of(env.model), torch.device("cpu"), **env.reference_states._asdict())
+    motion = TrackedMotion.of(Character.of(env.model), torch.device("cpu"), [env.reference_states])
     guide = Guide(motion, 5)
     guide.fastest_turn = 0.6
-    guide.restart(np.arange(5), np.arange(5), motion.facing.numpy()[:5])
+    guide.restart(np.arange(5), motion.seen[:5], motion.facing.numpy()[:5])
     return guide
 
 
 def at_own_speed(guide):
-    return np.full(5, guide.motion.mean_speed)
+    return np.full(5, guide.motion.gaits.speeds[0])
 
 
 def test_a_guide_begins_where_its_character_faces(guide):
@@ -37,8 +37,21 @@ def test_it_turns_to_the_target_as_fast_as_it_may(guide):
         headings.append(guide.headings.copy())
     rates = np.diff(headings, axis=0) / CONTROL_DT
     assert np.abs(rates).max() == pytest.approx(0.6)
-    assert np.abs(np.diff(rates, axis=0)).max() <= TURN_ACCELERATION * CONTROL_DT + 1e-9
+    assert np.abs(np.diff(rates, axis=0)).max() <= guide.turn_acceleration * CONTROL_DT + 1e-9
     assert np.allclose(headings[-1], angles, atol=1e-3)
+
+
+def test_fast_turns_end_in_time(guide):
+    guide.fastest_turn, guide.turn_acceleration, guide.turn_gain = 4.5, 9.0, 5.0
+    angles, headings = np.array([0.2, 1.0, -2.0, 3.0, -3.0]), []
+    target = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    for _ in range(60):
+        guide.advance(target, guide.headings + guide._facing[guide.phases], at_own_speed(guide))
+        headings.append(guide.headings.copy())
+    beyond = np.sign(angles) * (np.array(headings) - angles)
+    assert beyond.max() < 0.1  # hardly overshoots
+    assert np.abs(beyond[44]).max() < 0.05  # three radians in a second and a half
+    assert np.abs(np.diff(headings, axis=0)).max() > 3.5 * CONTROL_DT
 
 
 def test_it_keeps_its_direction_near_the_target(guide):
@@ -53,16 +66,16 @@ def test_it_waits_for_its_character(guide):
 
 
 def test_it_finds_its_phase_again(guide):
-    true = guide.motion.wrapped(guide.phases + np.array([0, 1, -2, 2, 5]))
-    positions = guide.motion.positions[true]
-    assert np.allclose(guide.errors(positions)[0], 0)
-    guide.resynchronise(positions)
+    true = guide.motion.gaits.shifted(guide.phases, np.array([0, 1, -2, 2, 5]))
+    seen = guide.motion.seen[true]
+    assert np.allclose(guide.errors(seen)[0], 0)
+    guide.resynchronise(seen)
     assert np.array_equal(guide.phases[:4], true[:4])
     assert abs(guide.phases[4] - true[4]) == 3
 
 
 def test_its_tempo_is_the_root_of_the_speed(guide):
-    speeds = guide.motion.mean_speed * np.array([1.0, 0.9, 1.1, 0.1, 9.0])
+    speeds = guide.motion.gaits.speeds[0] * np.array([1.0, 0.9, 1.1, 0.1, 9.0])
     before = guide.phases.copy()
     for _ in range(40):
         guide.advance(np.full((5, 2), 0.1), guide.headings, speeds)
@@ -73,7 +86,7 @@ def test_its_tempo_is_the_root_of_the_speed(guide):
 def test_the_style_counts_less_in_turns(guide):
     guide.least_style, angles = 0.2, np.array([0.0, 0.24, 0.8, -0.8, 3.0])
     target = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    facing = guide._facing[guide.motion.wrapped(guide.phases + 1)]
+    facing = guide._facing[guide.motion.gaits.shifted(guide.phases, 1)]
     guide.advance(target, facing, at_own_speed(guide))
     assert np.allclose(guide.style, [1, 1, 0.3, 0.3, 0.2], atol=1e-6)
     assert (guide.calm_steps > 1000).tolist() == [True, True, False, False, False]
@@ -81,7 +94,7 @@ def test_the_style_counts_less_in_turns(guide):
     guide.advance(target, facing, at_own_speed(guide))
     assert np.allclose(guide.style, 1)
     assert guide.calm_steps[4] == 1
-    guide.restart(np.array([4]), np.array([0]), facing)
+    guide.restart(np.array([4]), guide.motion.seen[:5], facing)
     assert guide.calm_steps[4] > 1000
 
 
@@ -90,3 +103,30 @@ def test_what_no_guide_can_do_is_refused():
         Guiding(turn_rate={0: -1.0})
     with pytest.raises(ValueError, match="must be positive"):
         Guiding(longest_lead=0.0)
+
+
+@pytest.fixture(scope="module")
+def many_gaits():
+    env = make_vector("AdaptNet/Humanoid-Walk-v0", 1)
+    references = env.reference_gaits([0.6, 1.0, 1.4])
+    return TrackedMotion.of(Character.of(env.model), torch.device("cpu"), references)
+
+
+def test_a_guide_changes_to_the_gait_of_its_speed(many_gaits):
+    gaits, guide = many_gaits.gaits, Guide(many_gaits, 3)
+    assert gaits.of(gaits.starts).tolist() == gaits.of(gaits.starts + gaits.lengths - 1).tolist() == [0, 1, 2]
+    guide.restart(np.arange(3), many_gaits.seen[[0, 0, 0]], np.zeros(3))
+    assert guide.phases.tolist() == [0, 0, 0]
+    for _ in range(100):
+        guide.advance(np.full((3, 2), 0.1), guide.headings, np.array([0.5, 1.0, 2.0]))
+        assert gaits.of(guide.phases).tolist() == [0, 1, 2]
+
+
+def test_gaits_meet_in_like_poses(many_gaits):
+    gaits, phases = many_gaits.gaits, np.arange(len(many_gaits))
+    assert np.array_equal(gaits.at_speeds(phases, gaits.speeds[gaits.of(phases)]), phases)
+    slow = gaits.at_speeds(phases, np.full(len(phases), 0.6))
+    assert (gaits.of(slow) == 0).all()
+    apart = np.linalg.norm(many_gaits.seen[phases, :, :3] - many_gaits.seen[slow, :, :3], axis=-1).mean(axis=-1)
+    assert apart.max() < 0.12
+    assert many_gaits.speeds.numpy()[slow] == pytest.approx(gaits.speeds[0])

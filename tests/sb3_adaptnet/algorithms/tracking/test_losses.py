@@ -20,7 +20,7 @@ def case(request):
     name, overrides = request.param
     env = make_vector(f"AdaptNet/Humanoid-{name}-v0", 1, **overrides)
     character, reference = Character.of(env.model), env.reference_states
-    motion = TrackedMotion.of(character, torch.device("cpu"), **reference._asdict())
+    motion = TrackedMotion.of(character, torch.device("cpu"), [reference])
     state = State.from_mujoco(torch.tensor(reference.qpos).float(), torch.tensor(reference.qvel).float())
     return motion, state, WorldModel(character, Sizes(8, 1)), env.worlds.spec
 
@@ -31,7 +31,7 @@ def test_the_reference_costs_nothing(case):
     tracked = tracking_loss(state, view.links, motion, phases, rest, TrackingWeights())
     assert tracked.max() < 1e-4
     headings = torch.atan2(view.sin, view.cos) - motion.facing
-    speeds = torch.full((len(motion),), motion.mean_speed)
+    speeds = motion.speeds
     errors = travel_errors(state.velocity, view, motion, phases, headings, speeds)
     assert travel_loss(errors, TravelWeights()).max() < 1e-4
     turned_left = travel_errors(state.velocity, view, motion, phases, headings - 0.3, speeds)
@@ -45,8 +45,9 @@ def test_aims_and_poses_agree(case):
     assert motion.aims.shape == (len(motion), len(model.character.joints))
     assert torch.allclose(motion.angles, state.angles)
     assert torch.allclose(motion.link_weights.mean(), torch.ones(()))
-    assert motion.cyclic == (spec.motion == "GooseStep")
-    assert np.array_equal(motion.wrapped(np.array([len(motion)])), [0 if motion.cyclic else len(motion) - 1])
+    assert motion.gaits.cyclic.tolist() == [spec.motion == "GooseStep"]
+    last = np.array([len(motion) - 1])
+    assert motion.gaits.shifted(last, 1) == (0 if motion.gaits.cyclic[0] else last)
 
 
 def test_a_turning_reference_moves_as_a_turning_body(case):
