@@ -18,9 +18,8 @@ from tqdm import tqdm
 
 from sb3_adaptnet.algorithms.cost_critic import LEARNING_RATE, CostCritic
 from sb3_adaptnet.algorithms.gradient_taming import NormLimit
-from sb3_adaptnet.algorithms.model_fits import fit_anew, record, servo_aims
-from sb3_adaptnet.algorithms.model_refresh import fitted_to
-from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims
+from sb3_adaptnet.algorithms.model_learning import fit_anew, fitted_to, record
+from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims, servo_aims
 from sb3_adaptnet.algorithms.svg_settings import ModelFits, ModelRefresh
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.weight_average import WeightAverage

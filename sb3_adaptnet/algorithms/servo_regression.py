@@ -3,12 +3,15 @@
 It cannot walk by them, but gradients through the model then start near the style instead of far from it.
 """
 
+from typing import Any
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.world_model.fitting.collecting import Act
 
 BATCH = 256
 """Poses per update."""
@@ -65,3 +68,13 @@ def _goals(speeds: NDArray[np.floating], rng: np.random.Generator) -> NDArray[np
     ahead, anywhere = AHEAD * rng.standard_normal(n), rng.uniform(-np.pi, np.pi, n)
     angle = np.where(rng.random(n) < 0.5, ahead, anywhere)
     return np.stack([np.cos(angle), np.sin(angle), SECONDS * speeds * rng.random(n), speeds], axis=1)
+
+
+def servo_aims(motion: TrackedMotion) -> Act:
+    """In place of a policy: servos aim where they would follow the motion. Characters stumble and fall by it."""
+    aims = motion.aims.cpu().numpy()
+
+    def act(observations: Any) -> NDArray[np.float32]:
+        return np.asarray(aims[motion.nearest(motion.seen_in(observations))])
+
+    return act

@@ -21,7 +21,7 @@ from sb3_adaptnet.algorithms.cost_critic import RECENT_AT_FIRST, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
-from sb3_adaptnet.algorithms.model_refresh import refresh
+from sb3_adaptnet.algorithms.model_learning import refresh
 from sb3_adaptnet.algorithms.real_rollout import RealRollout, RolloutRecorder
 from sb3_adaptnet.algorithms.svg_log import record_rollout, record_times
 from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss

@@ -7,7 +7,8 @@ from policy_cases import SIZES
 from world_cases import CHARACTER
 
 from sb3_adaptnet import AdaptVecEnv, PretrainPolicy, load_policy, save_base
-from sb3_adaptnet.algorithms.model_fits import fit_anew, record, servo_aims
+from sb3_adaptnet.algorithms.model_learning import fit_anew, record
+from sb3_adaptnet.algorithms.servo_regression import servo_aims
 from sb3_adaptnet.algorithms.svg import SVG
 from sb3_adaptnet.algorithms.svg_settings import ModelFits
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion

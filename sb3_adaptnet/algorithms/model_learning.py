@@ -1,0 +1,103 @@
+"""Fitting a world model that is new, and keeping any up to date with what the policy does."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from sb3_adaptnet.algorithms.real_rollout import RealRollout
+from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
+from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.world_model.character import Character
+from sb3_adaptnet.world_model.fitting.collecting import Act, collect
+from sb3_adaptnet.world_model.fitting.fit import (
+    STAGES,
+    descend,
+    fit,
+    loss_of,
+    sample_starts,
+    scaled,
+    set_statistics,
+)
+from sb3_adaptnet.world_model.model import WorldModel
+from sb3_adaptnet.world_model.transitions import Transitions
+
+KEPT_ROWS = 50_000
+"""Observations that are kept of a record."""
+
+
+def record(env: AdaptVecEnv, act: Act, steps: int, rng: np.random.Generator) -> tuple[Transitions, NDArray[np.float32]]:
+    """Let a policy act, disturbed. The worlds are reset before, and belong to nobody afterwards.
+
+    Args:
+        env: the worlds.
+        act: the policy.
+        steps: control steps of every world.
+        rng: source of the disturbances.
+
+    Returns:
+        What happened, and observations (n, 784) of it.
+    """
+    seen: list[NDArray[np.float32]] = []
+    rows = max(1, KEPT_ROWS // steps)
+
+    def watched(observations: Any) -> NDArray[np.floating]:
+        seen.append(observations[:rows].copy())
+        return act(observations)
+
+    return collect(env.vector_env, watched, steps, rng), np.concatenate(seen)
+
+
+def fit_anew(
+    model: WorldModel,
+    data: Transitions,
+    effort: float,
+    rng: np.random.Generator,
+    progress: Callable[[range], Any] = iter,
+) -> None:
+    """Fit a model from its first weights to what was recorded, with `effort` times the updates of one that ships."""
+    model.load_state_dict(WorldModel(model.character, model.sizes).state_dict())
+    set_statistics(model, data, rng)
+    optimizer = torch.optim.Adam(model.parameters())
+    stages = scaled(STAGES, effort)
+    updates = iter(progress(range(sum(stage.updates for stage in stages))))
+    for stage in stages:
+        for _ in fit(model, data, stage, optimizer, rng):
+            next(updates)
+
+
+def refresh(
+    model: WorldModel,
+    optimizer: torch.optim.Optimizer,
+    rollouts: Sequence[RealRollout],
+    settings: ModelRefresh,
+    rng: np.random.Generator,
+) -> float:
+    """Fit the model to single steps of the latest rollouts; returns the mean loss."""
+    losses = []
+    for _ in range(settings.updates):
+        data = rollouts[int(rng.integers(len(rollouts)))].transitions
+        loss = loss_of(model, data, sample_starts(data, 1, settings.batch, rng), 1)
+        descend(model, optimizer, loss)
+        losses.append(float(loss.detach()))
+    return float(np.mean(losses))
+
+
+def fitted_to(model: WorldModel, character: Character) -> WorldModel:
+    """The model for a character with other measures: the kinematics are exact at once, the dynamics have to learn.
+
+    Raises:
+        ValueError: if the characters differ in more than measures.
+    """
+    if model.character == character:
+        return model
+    for what in ("links", "parents", "joints", "hinges"):
+        has, wanted = getattr(model.character, what), getattr(character, what)
+        if has != wanted:
+            differ = sorted(map(str, set(has) ^ set(wanted))) or "their order"
+            raise ValueError(f"the world model is of a character with other {what}; they differ in {differ}")
+    other = WorldModel(character, model.sizes)
+    other.load_state_dict(model.state_dict())
+    return other
