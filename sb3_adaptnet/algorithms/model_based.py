@@ -163,7 +163,8 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             self._recorded.append(data)
             self.world_model.dynamics.precision = self.policy.precision
             effort = self.model_fits.effort(self._fits_done)
-            bar = partial(tqdm, desc="world model", unit=" updates", disable=not progress_bar, leave=False)
+            hidden = None if progress_bar or self.verbose else True  # None: in a terminal alone
+            bar = partial(tqdm, desc="world model", unit=" updates", disable=hidden, leave=False)
             fit_anew(self.world_model, Transitions.together(self._recorded), effort, self.rng, bar)
             self._fits_done += 1
         return observations

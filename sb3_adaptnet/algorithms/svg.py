@@ -96,7 +96,7 @@ class SVG(ModelBasedAlgorithm):
             stats_window_size: episodes that the logged means are of.
             tensorboard_log: folder for TensorBoard.
             policy_kwargs: further arguments of the policy.
-            verbose: as in Stable-Baselines3.
+            verbose: as in Stable-Baselines3; from 1 on, fits of a new model show a progress bar in a terminal.
             seed: of everything.
             device: of policy and model.
             _init_setup_model: build the networks.

@@ -126,6 +126,7 @@ def learn(
     model.num_timesteps = done
     model.set_logger(configure(str(folder.path), ["tensorboard"]))
     callbacks = CallbackList([metrics, *learner.others, CurveDrawer(progress), progress, saver])
+    model.verbose = 0 if quiet else 1
     with stopping(saver):
         model.learn(max(folder.settings.samples - done, 0), callback=callbacks, reset_num_timesteps=False)
     saver.save()

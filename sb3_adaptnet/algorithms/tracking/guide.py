@@ -64,8 +64,8 @@ class Guiding:
         check_schedule("turn_gain", self.turn_gain)
         if not (self.turn_per_footstep > 0 and self.longest_lead > 0):
             raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
-        if any(speed <= 0 for speed in self.gaits):
-            raise ValueError(f"gaits are speeds above 0 m/s, not {list(self.gaits)}")
+        if not isinstance(self.gaits, (tuple, list)) or any(speed <= 0 for speed in self.gaits):
+            raise ValueError(f"gaits is a list of speeds above 0 m/s, not {self.gaits}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,6 +103,9 @@ def test_what_no_guide_can_do_is_refused():
         Guiding(turn_rate={0: -1.0})
     with pytest.raises(ValueError, match="must be positive"):
         Guiding(longest_lead=0.0)
+    for gaits in (0.9, [0.9, 0.0], "fast"):
+        with pytest.raises(ValueError, match="list of speeds"):
+            Guiding(gaits=gaits)
 
 
 @pytest.fixture(scope="module")
