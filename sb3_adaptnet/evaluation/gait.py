@@ -28,6 +28,10 @@ _ALIKE, _AS_GOOD = 0.5, 0.9
 """Correlation from which a stride counts as repeated; the first peak of this share of the best is one stride."""
 _PIECE = 4 * FPS
 """Frames of each piece of a long clip that is measured."""
+_STRIDE = 17
+"""Frames, about half a stride: the root's sway does not count as way when it is seen so seldom."""
+_STRAIGHT = 0.9
+"""A piece goes straight on if it gets at least this share of its way far."""
 _SPEED_RANGE = 0.1
 """Pieces of a long clip count whose speed is this near to the one asked for, relative to it."""
 
@@ -124,16 +128,30 @@ def _likeness(signals: Sequence[NDArray[np.floating]], lag: int, looped: bool) -
 
 
 def clip_gait(clip: MotionClip, speed: float) -> Gait:
-    """The gait of a clip: of its period if it repeats, else of its stretches of 4 s at about `speed` [m/s]."""
+    """The gait of a clip: of its period if it repeats, else of its straight stretches of 4 s at about `speed` [m/s]."""
     pieces = [clip.qpos[: clip.period]] if clip.cyclic else _pieces_at(clip, speed)
     kinematics = Kinematics(compile_model())
     return gait_of([kinematics.link_states(piece) for piece in pieces], looped=clip.cyclic)
 
 
 def _pieces_at(clip: MotionClip, speed: float) -> list[NDArray[np.float64]]:
-    """Configurations (T, nq) of the pieces of a clip that get as far as at that speed, so nearly straight on."""
+    """Configurations (T, nq) of the pieces of a clip that go at that speed, straight on if any do.
+
+    A turning piece gets less far than it goes: by its ends alone, faster ones that curve would count.
+    """
     starts = range(0, max(len(clip.qpos) - _PIECE, 0) + 1, _PIECE)
     pieces = [clip.qpos[start : start + _PIECE] for start in starts]
-    speeds = np.array([np.linalg.norm(piece[-1, :2] - piece[0, :2]) * FPS / (len(piece) - 1) for piece in pieces])
-    off = np.abs(speeds - speed)
+    gone, got = np.array([_way(piece) for piece in pieces]).T
+    straight = got >= _STRAIGHT * gone
+    if not straight.any():
+        straight[:] = True
+    off = np.where(straight, np.abs(gone - speed), np.inf)
     return [piece for piece, d in zip(pieces, off, strict=True) if d <= max(_SPEED_RANGE * speed, off.min())]
+
+
+def _way(piece: NDArray[np.float64]) -> tuple[float, float]:
+    """How far the root goes per second [m/s] along its way, without its sway, and from the first frame to the last."""
+    knots = np.linspace(0, len(piece) - 1, max(round(len(piece) / _STRIDE), 1) + 1).round().astype(int)
+    seconds = (len(piece) - 1) / FPS
+    ways = np.linalg.norm(np.diff(piece[knots, :2], axis=0), axis=1).sum()
+    return float(ways / seconds), float(np.linalg.norm(piece[-1, :2] - piece[0, :2]) / seconds)

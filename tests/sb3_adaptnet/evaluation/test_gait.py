@@ -68,6 +68,16 @@ def test_of_a_long_clip_the_stretches_at_the_speed_count():
     assert clip_gait(single, 5.0).foot_height_m == pytest.approx(slow.foot_height_m, rel=0.1)
 
 
+def test_faster_pieces_that_curve_do_not_count_though_they_end_as_far_away():
+    stoop, piece = load_clip("Stoop"), 4 * FPS
+    ahead, around = np.arange(piece) / FPS, np.linspace(0, np.pi, piece)
+    slow, fast = stoop.at(np.arange(piece)), stoop.at(3 * np.arange(piece) // 2)
+    slow[:, :2] = np.stack([ahead, 0 * ahead], axis=1)  # 1 m/s, straight on
+    fast[:, :2] = 2 * np.stack([1 - np.cos(around), np.sin(around)], axis=1)  # half a circle of the same ends
+    clip = replace(stoop, qpos=np.concatenate([slow, *[fast] * 9]), cyclic=False)
+    assert clip_gait(clip, 1.0).cadence_hz == pytest.approx(FPS / stoop.period, rel=0.02)
+
+
 def test_the_foot_height_is_the_mean_over_the_feet_of_the_99th_percentile_above_the_ground():
     links = recording_of(load_clip("Stoop").at(np.arange(101))).links[:, 0]
     links[:, RIGHT, 2] = 0.05 + 0.2 * np.arange(101) / 100
