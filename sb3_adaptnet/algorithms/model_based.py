@@ -227,7 +227,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.norm_limit.mean = state["gradient_norm"]
         self.critic.load_state_dict(state["critic"])
         self.critic_optimizer.load_state_dict(state["critic_optimizer"])
-        self._fits_done = state["fits_done"]
+        self._fits_done = state.get("fits_done", 0)  # older checkpoints have none
         self.rng.bit_generator.state = json.loads(state["rng"])
 
     def _excluded_save_params(self) -> list[str]:

@@ -102,8 +102,7 @@ class SVG(ModelBasedAlgorithm):
             _init_setup_model: build the networks.
 
         Raises:
-            ValueError: for a window longer than a rollout, an unknown or impossible setting, or worlds, policy or model
-                that do not fit.
+            ValueError: for an unknown or impossible setting, or worlds, policy, motion or model that do not fit.
             CheckpointError: for a model's file that cannot be read.
         """
         super().__init__(
@@ -123,6 +122,8 @@ class SVG(ModelBasedAlgorithm):
         self.loss_weights = groups.grouped(groups.LossWeights, loss_weights)
         self.cost_to_go = groups.grouped(groups.CostToGo, cost_to_go)
         self.taming = GradientTaming()
+        if env is not None:
+            self.guiding.references(self._worlds_of_env().simulation)  # refuses a motion without its gaits
 
     def learn(
         self,
@@ -136,8 +137,7 @@ class SVG(ModelBasedAlgorithm):
         """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
         env = self._worlds_of_env()
-        gaits, simulation = self.guiding.gaits, env.simulation
-        references = simulation.reference_gaits(gaits) if gaits else [simulation.reference_states]
+        references = self.guiding.references(env.simulation)
         self.motion = TrackedMotion.of(self.world_model.character, self.device, references)
         callbacks.on_training_start(locals(), globals())
         if self._n_updates == 0:

@@ -1,5 +1,6 @@
 """The loss of a window: tracking, travel, smooth actions, what comes after; the actor adds the penalties of eq. 12."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 
 import torch
@@ -9,7 +10,7 @@ from sb3_adaptnet.algorithms.real_rollout import Guided
 from sb3_adaptnet.algorithms.svg_settings import LossWeights
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.tracking_loss import tracking_loss
-from sb3_adaptnet.algorithms.tracking.travel_loss import travel_errors, travel_loss
+from sb3_adaptnet.algorithms.tracking.travel_loss import goal_loss, travel_errors, travel_loss
 from sb3_adaptnet.world_model.links import HeadingView
 from sb3_adaptnet.world_model.state import State
 
@@ -25,16 +26,18 @@ def state_costs(
     phases = guided.phases
     tracking = tracking_loss(state, links, motion, phases, guided.turn_rates, weights)
     errors = travel_errors(state.velocity, view, motion, phases, guided.headings, guided.speeds)
-    return {"tracking": guided.style * tracking, "travel": travel_loss(errors, weights)}
+    costs = {"tracking": guided.style * tracking, "travel": travel_loss(errors, weights)}
+    if weights.goal > 0:
+        short = goal_loss(state.position, state.velocity, guided.targets, guided.speeds)
+        costs["goal"] = weights.goal * short
+    return costs
 
 
 def window_loss(
     steps: Iterable[Imagined], motion: TrackedMotion, weights: LossWeights, to_come: CostToCome | None = None
 ) -> tuple[torch.Tensor, dict[str, float]]:
     """Mean loss () over the steps of a window and its worlds, and the means of its parts; ended episodes count 0."""
-    parts: dict[str, list[torch.Tensor]] = {"tracking": [], "travel": [], "smoothness": []}
-    if to_come is not None:
-        parts["to_come"] = []
+    parts = defaultdict[str, list[torch.Tensor]](list)
     before: torch.Tensor | None = None
     for step in steps:
         costs = state_costs(step.state, step.view, motion, step.guided, weights)

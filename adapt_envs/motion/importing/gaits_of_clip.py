@@ -15,8 +15,10 @@ def gaits_of(clip: MotionClip, speeds: Sequence[float]) -> list[MotionClip]:
     Speeds that the clip never goes at are left out.
 
     Raises:
-        MotionError: if it goes at none of them.
+        MotionError: if it goes at none of them, or repeats.
     """
+    if clip.cyclic:
+        raise MotionError(f"clip {clip.name!r} is one gait cycle; gaits at several speeds need a motion of minutes")
     draft, found = from_poses(clip.qpos), []
     for speed in speeds:
         try:

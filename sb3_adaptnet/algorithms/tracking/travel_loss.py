@@ -5,12 +5,15 @@ from typing import NamedTuple
 
 import torch
 
+from adapt_envs.tasks.goal import GOAL_RADIUS, SHARPNESS
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.links import HeadingView
 from sb3_adaptnet.world_model.pseudo_huber import pseudo_huber
 
 VELOCITY_SCALE = 0.3
 """Error [m/s] from which on the loss grows straight."""
+_NO_DIRECTION = 0.01
+"""Closer than this [m] there is no direction to the target; the loss is 0 there anyway."""
 
 
 @dataclass(frozen=True)
@@ -20,10 +23,13 @@ class TravelWeights:
     Attributes:
         travel: velocity of the root on the ground.
         facing: its heading; with half of it, walking on beside the goal was cheaper than turning.
+        goal: what the task's reward falls short of 1. The guide turns like a person; this asks for more, wherever the
+            character is near enough to what the task wants for it to have a slope.
     """
 
     travel: float = 0.4
     facing: float = 4.0
+    goal: float = 0.0
 
 
 class TravelErrors(NamedTuple):
@@ -71,3 +77,20 @@ def travel_loss(errors: TravelErrors, weights: TravelWeights) -> torch.Tensor:
     """Loss (B,) of the root's velocity on the ground and of its heading."""
     square = errors.ahead.square() + errors.aside.square()
     return weights.travel * pseudo_huber(square, VELOCITY_SCALE) + weights.facing * (1 - errors.alike)
+
+
+def goal_loss(
+    position: torch.Tensor, velocity: torch.Tensor, targets: torch.Tensor, speeds: torch.Tensor
+) -> torch.Tensor:
+    """Loss (B,): 1 less the task's reward (`adapt_envs.tasks.goal_reward`), by velocities in place of displacements.
+
+    Args:
+        position: (3, B) of the root [m], world.
+        velocity: (3, B) of the root [m/s], world.
+        targets: (B, 2) [m], world.
+        speeds: (B,) preferred [m/s].
+    """
+    left = targets.t() - position[:2]
+    distance = left.square().sum(0).clamp_min(_NO_DIRECTION**2).sqrt()
+    square = (velocity[:2] - left * (speeds / distance)).square().sum(0)
+    return torch.where(distance < GOAL_RADIUS, 0.0, 1 - torch.exp(-SHARPNESS * square / speeds.square()))

@@ -99,5 +99,18 @@ def test_what_does_not_fit_is_refused(make_svg, walk_base, tiny_world):
     env = AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", num_envs=2, num_threads=1)
     with pytest.raises(ValueError, match="tiny.world.safetensors"):
         SVG(AdaptNetPolicy, env, policy_kwargs={"base": str(walk_base)})
+    with pytest.raises(ValueError, match=r"'Walk' holds no gait cycle at 9\.00 m/s"):
+        make_svg(environment="AdaptNet/Humanoid-Walk-v0", guiding={"gaits": [9.0]})
+    with pytest.raises(ValueError, match="'GooseStep' is one gait cycle"):
+        make_svg(environment="AdaptNet/Humanoid-GooseStep-v0", guiding={"gaits": [1.0]})
     with pytest.raises(ValueError, match="AdaptNetPolicy"):
         SVG(ActorCriticPolicy, env, tiny_world)
+
+
+def test_the_task_itself_can_be_a_cost(make_svg):
+    without, asked = make_svg(), make_svg(loss_weights={"goal": 1.0})
+    names = []
+    for model in (without, asked):
+        model.learn(48)
+        names.append({name for name in model.logger.name_to_value if name.startswith("svg/")})
+    assert names[1] - names[0] == {"svg/goal"}

@@ -5,9 +5,11 @@ import pytest
 import torch
 
 from adapt_envs import make_vector
+from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.tasks.goal import goal_reward
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights, tracking_loss, turned
-from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights, travel_errors, travel_loss
+from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights, goal_loss, travel_errors, travel_loss
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.links import heading_view
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
@@ -66,3 +68,27 @@ def test_a_looking_around_reference_is_seen_from_its_own_heading(case):
     motion, state, model, _ = case
     frames = model.kinematics(state)
     assert torch.allclose(heading_view(frames, 15).links, motion.links, atol=1e-4)
+
+
+def test_the_goal_costs_what_the_reward_falls_short_of_1():
+    rng = np.random.default_rng(5)
+    before, target, speed = rng.normal(size=(50, 2)), rng.normal(size=(50, 2)), rng.uniform(0.5, 2.0, 50)
+    ahead = (target - before) / np.linalg.norm(target - before, axis=1, keepdims=True)
+    velocity = speed[:, None] * ahead + 0.5 * rng.normal(size=(50, 2))
+    after = before + CONTROL_DT * velocity
+    expected = 1 - goal_reward(before, after, target, speed)
+    assert (expected == 0).any() and (expected > 0.2).any()  # within the goal's radius, and outside
+
+    def loss(position):
+        flat = torch.tensor(np.stack([*position.T, np.ones(50)]), requires_grad=True)
+        moving = torch.tensor(np.stack([*velocity.T, np.zeros(50)]), requires_grad=True)
+        return goal_loss(flat, moving, torch.tensor(target), torch.tensor(speed)), moving
+
+    outside = np.linalg.norm(target - after, axis=1) > 0.5
+    assert np.allclose(loss(before)[0].detach().numpy()[outside], expected[outside])
+    found, moving = loss(after)
+    assert np.array_equal(found.detach().numpy() == 0, ~outside)
+    found.sum().backward()
+    assert moving.grad[:, torch.tensor(outside)].abs().sum(0).min() > 0
+    at_the_goal, _ = loss(target)
+    at_the_goal.sum().backward()  # no direction there, and no slope that is not a number
