@@ -65,6 +65,10 @@ def test_the_papers_table():
         0.01,
     )
     assert settings["n_steps"] * 512 == 4096 and settings["batch_size"] == 256 and settings["n_epochs"] == 5
+    assert settings["vf_coef"] == 0.5  # this and the next line as released
+    for name in ("Stoop", "Walk", "Run", "IceRun", "TerrainHills"):
+        entry = experiment(f"AdaptNet/Humanoid-{name}-v0", conf_file="paper")
+        assert [c.terminal_reward for c in entry.make_callbacks() if hasattr(c, "terminal_reward")] == [-1.0]
 
 
 def test_hyperparameters_are_a_fresh_dict_with_the_base():
