@@ -24,8 +24,8 @@ from sb3_adaptnet.world_model.state import State
 
 LEARNING_RATE, BATCH = 1e-3, 512
 """Adam's, and states per update."""
-RECENT, RECENT_AT_FIRST = 4, 6
-"""Latest rollouts that it learns from, later and the first time."""
+RECENT = 12
+"""Latest rollouts that it learns from: of some, few worlds fall."""
 WIDTH = 256
 """Numbers of each of the two hidden layers."""
 SCALE = 20.0
@@ -144,7 +144,7 @@ class CriticTraining:
             What to log: mean target and explained share of the variance.
         """
         fresh = bool(self.critic.updates == 0)
-        recent = [self._judged(rollout) for rollout in rollouts[-(RECENT_AT_FIRST if fresh else RECENT) :]]
+        recent = [self._judged(rollout) for rollout in rollouts[-RECENT:]]
         explained, target = [], torch.zeros(1)
         self.critic.requires_grad_(True)
         aims: list[torch.Tensor] = []

@@ -17,7 +17,7 @@ from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
 from sb3_adaptnet.algorithms import svg_settings as groups
-from sb3_adaptnet.algorithms.cost_critic import RECENT_AT_FIRST, CriticTraining
+from sb3_adaptnet.algorithms.cost_critic import RECENT, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
@@ -168,7 +168,7 @@ class SVG(ModelBasedAlgorithm):
         self._worlds.schedule(self.num_timesteps)
         self._last_obs = observations = cast(NDArray[np.float32], env.reset())  # an array: there is no heightmap
         self._worlds.begin(observations)
-        kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT_AT_FIRST)
+        kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT)
         self._rollouts = deque[RealRollout](maxlen=kept)
 
     def collect_rollout(self, callback: BaseCallback) -> bool:

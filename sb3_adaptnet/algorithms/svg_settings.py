@@ -20,7 +20,8 @@ class Episodes:
 
     Attributes:
         error_limit: mean error of the links' positions [m] at which an episode ends.
-        loose_limit: the same for loose worlds, and for all others until they have been calm for a while.
+        loose_limit: the same for loose worlds, and for all others until they have been calm for a while. Beyond 1 m only
+            falls are left.
         loose_share: share of the worlds that are loose: they last longer, and seldom end by their error.
         calm_seconds: so long [s] after turning only the loose limit holds.
         goal_spread: share of the circle, centred ahead, that new goals lie in; 1 is the task's own.
@@ -30,7 +31,7 @@ class Episodes:
     """
 
     error_limit: Schedule = 0.16
-    loose_limit: float = 0.4
+    loose_limit: Schedule = 0.4
     loose_share: Schedule = 0.5
     calm_seconds: float = 1.5
     goal_spread: Schedule = 1.0

@@ -47,7 +47,7 @@ class TrackedWorlds:
     Attributes:
         env: the worlds.
         guide: what they follow.
-        error_limit: mean error of the links' positions [m] at which an episode ends.
+        error_limit, loose_limit: mean errors of the links' positions [m] at which an episode ends.
         loose: (N,) worlds with longer episodes and a wider limit.
         lengths: steps of the episodes that ended in the last rollout.
     """
@@ -71,7 +71,7 @@ class TrackedWorlds:
         """
         self.env, self.rng = env, rng
         self.guide = Guide(motion, env.num_envs, guiding.longest_lead)
-        self.error_limit = np.inf
+        self.error_limit = self.loose_limit = np.inf
         self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []
         self._episodes, self._guiding = episodes, guiding
@@ -88,6 +88,7 @@ class TrackedWorlds:
         guide.turn_gain = value_at(guiding.turn_gain, samples)
         guide.least_style = value_at(guiding.least_style, samples)
         self.error_limit = value_at(episodes.error_limit, samples)
+        self.loose_limit = value_at(episodes.loose_limit, samples)
         self.loose = self._all < value_at(episodes.loose_share, samples) * len(self._all)
         spreads = value_at(episodes.goal_spread, samples), value_at(episodes.loose_goal_spread, samples)
         self.env.set_attr("goal_spread", np.where(self.loose, spreads[1], spreads[0]))
@@ -147,4 +148,4 @@ class TrackedWorlds:
     def _error_limits(self) -> NDArray[np.floating]:
         """(N,) [m]."""
         turning = self.guide.calm_steps * CONTROL_DT < self._episodes.calm_seconds
-        return np.where(self.loose | turning, self._episodes.loose_limit, self.error_limit)
+        return np.where(self.loose | turning, self.loose_limit, self.error_limit)

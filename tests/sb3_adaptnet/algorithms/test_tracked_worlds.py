@@ -66,7 +66,8 @@ def test_the_tight_limit_waits_until_a_world_is_calm(make_worlds):
 
 def test_schedules_follow_the_samples(make_worlds):
     guiding = Guiding(turn_rate={0: 0.2, 100: 9.0}, least_style={0: 1.0, 100: 0.2})
-    worlds = make_worlds(guiding, error_limit={0: 0.3, 100: 0.1}, goal_spread={0: 0.0, 100: 1.0}, loose_share={100: 0})
+    limits = {"error_limit": {0: 0.3, 100: 0.1}, "loose_limit": {0: 0.5, 100: 1.0}}
+    worlds = make_worlds(guiding, **limits, goal_spread={0: 0.0, 100: 1.0}, loose_share={100: 0})
     assert np.all(worlds.guide.fastest_turn == 0.2)
     assert (worlds.guide.least_style, worlds.error_limit) == (1.0, 0.3)
     worlds.schedule(100)
@@ -74,6 +75,6 @@ def test_schedules_follow_the_samples(make_worlds):
         np.full(WORLDS, 0.8 * 2 / 2.2)
     )  # a stride of the clip takes 2.2 s
     assert worlds.guide.least_style == pytest.approx(0.2)
-    assert worlds.error_limit == pytest.approx(0.1)
+    assert (worlds.error_limit, worlds.loose_limit) == (pytest.approx(0.1), pytest.approx(1.0))
     worlds.schedule(50)
     assert worlds.env.vector_env.unwrapped.goal_spread == pytest.approx(0.5)
