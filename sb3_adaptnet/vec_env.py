@@ -14,7 +14,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices,
 
 import adapt_envs as adapt_envs  # registers the ids
 from adapt_envs.features.observation_rows import Observations, copied
-from adapt_envs.simulation.state_access import StateAccess
+from adapt_envs.simulation.state_access import ReferenceStates, StateAccess
 
 NO_INFO: dict[str, Any] = {}
 """Info of every world that goes on, shared by them all; nobody writes into it."""
@@ -157,6 +157,14 @@ class AdaptVecEnv(VecEnv):
         if not isinstance(worlds, StateAccess):
             raise ValueError(f"{type(worlds).__name__} does not tell its worlds' states, as AdaptVectorEnv does")
         return worlds
+
+    def references(self, gaits: Sequence[float] = ()) -> list[ReferenceStates]:
+        """The reference motion; or gait cycles of it, one at about each of these speeds [m/s].
+
+        Raises:
+            MotionError: if it holds no cycle at any of the speeds, or is one itself.
+        """
+        return self.simulation.reference_gaits(gaits) if gaits else [self.simulation.reference_states]
 
     def close(self) -> None:
         """Free the worlds."""

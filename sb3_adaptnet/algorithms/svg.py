@@ -123,7 +123,7 @@ class SVG(ModelBasedAlgorithm):
         self.cost_to_go = groups.grouped(groups.CostToGo, cost_to_go)
         self.taming = GradientTaming()
         if env is not None:
-            self.guiding.references(self._worlds_of_env().simulation)  # refuses a motion without its gaits
+            self._worlds_of_env().references(self.guiding.gaits)  # refuses a motion without its gaits
 
     def learn(
         self,
@@ -137,7 +137,7 @@ class SVG(ModelBasedAlgorithm):
         """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
         env = self._worlds_of_env()
-        references = self.guiding.references(env.simulation)
+        references = env.references(self.guiding.gaits)
         self.motion = TrackedMotion.of(self.world_model.character, self.device, references)
         callbacks.on_training_start(locals(), globals())
         if self._n_updates == 0:

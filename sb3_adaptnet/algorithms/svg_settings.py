@@ -20,8 +20,8 @@ class Episodes:
 
     Attributes:
         error_limit: mean error of the links' positions [m] at which an episode ends.
-        loose_limit: the same for loose worlds, and for all others until they have been calm for a while. Beyond 1 m only
-            falls are left.
+        loose_limit: the same for loose worlds, and for all others until they have been calm for a while. From 1 m on
+            only falls are left.
         loose_share: share of the worlds that are loose: they last longer, and seldom end by their error.
         calm_seconds: so long [s] after turning only the loose limit holds.
         goal_spread: share of the circle, centred ahead, that new goals lie in; 1 is the task's own.

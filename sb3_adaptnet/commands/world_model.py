@@ -7,9 +7,10 @@ from typing import Any
 from adapt_envs.commands.output import check_output
 from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.commands.train import positive
+from sb3_adaptnet.runs.error_plot import draw_errors
 from sb3_adaptnet.runs.world_fit import FitPlan, fit_world, record_transitions
 from sb3_adaptnet.weights.card import trained_in
-from sb3_adaptnet.world_model.fitting.error_table import error_table
+from sb3_adaptnet.world_model.fitting.error_table import HORIZONS, coasting, error_table
 from sb3_adaptnet.world_model.world_file import read_world
 
 EVAL_WORLDS, EVAL_STEPS = 64, 400
@@ -43,6 +44,7 @@ def _add_eval(actions: Any) -> None:
     parser.add_argument("file", metavar="FILE", type=Path, help="file of the model")
     parser.add_argument("--policy", metavar="NAME|FILE", help="policy that acts; default: those that it was fitted to")
     parser.add_argument("--env", metavar="ID", help="environment; default: the one it was fitted in")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.png", help="picture of the errors over the horizon")
     _add_common(parser)
     parser.set_defaults(run=run_eval)
 
@@ -72,7 +74,9 @@ def run_fit(options: argparse.Namespace) -> int:
 
 
 def run_eval(options: argparse.Namespace) -> int:
-    """Print the errors on rollouts that the model has not seen."""
+    """Print the errors on rollouts that the model has not seen, and draw them if asked to."""
+    if options.output is not None:
+        check_output(options.output, ".png")
     model, card = read_world(options.file)
     plan = FitPlan(
         env_id=options.env or card["environment"],
@@ -85,5 +89,11 @@ def run_eval(options: argparse.Namespace) -> int:
     data, character = record_transitions(plan, ProgressBar("walking"))
     if character.joints != model.character.joints:
         raise ValueError(f"{options.file} models a character with other joints than that of {plan.env_id}")
-    print(error_table(model, data, plan.seed))
+    every = tuple(range(1, HORIZONS[-1] + 1))
+    errors = error_table(model, data, plan.seed, horizons=every)
+    print(errors.at(HORIZONS))
+    if options.output is not None:
+        reference = error_table(coasting(model), data, plan.seed, horizons=every)
+        draw_errors(errors, reference, options.output, f"{options.file.name} in {plan.env_id}, seed {options.seed}")
+        print(f"wrote {options.output}")
     return 0

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from adapt_envs.simulation.state_access import ReferenceStates, StateAccess
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule
 from sb3_adaptnet.world_model.integration import CONTROL_DT
@@ -67,14 +66,6 @@ class Guiding:
             raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
         if not isinstance(self.gaits, (tuple, list)) or any(speed <= 0 for speed in self.gaits):
             raise ValueError(f"gaits is a list of speeds above 0 m/s, not {self.gaits}")
-
-    def references(self, simulation: StateAccess) -> list[ReferenceStates]:
-        """What worlds are led along: gait cycles of their reference motion, or all of it.
-
-        Raises:
-            MotionError: if it holds no cycle at any of the speeds, or is one itself.
-        """
-        return simulation.reference_gaits(self.gaits) if self.gaits else [simulation.reference_states]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.tracking.footsteps import footsteps_per_second
 from sb3_adaptnet.algorithms.tracking.gaits import Gaits
-from sb3_adaptnet.algorithms.tracking.soles import corners_of, standing
+from sb3_adaptnet.algorithms.tracking.soles import corner_motion, corners_of, standing
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.links import LINK_NUMBERS, POSITION, VELOCITY, from_observed, heading_view, to_observed
 
@@ -68,6 +68,7 @@ class TrackedMotion:
         aims: (P, J) actions whose servos would follow the motion.
         corners: link and point of the soles' C corners; see `corners_of`.
         standing: (C, P) 1 where a corner stands on the ground.
+        clearance: (C, P) heights of the corners [m].
         link_weights: (L, 1) how much each link counts, 1 on average.
         joint_weights: (J, 1) the same of the joints.
         seen: (P, L, 6) positions [m] and velocities [m/s] of the links, heading frame: for comparing on the CPU.
@@ -84,6 +85,7 @@ class TrackedMotion:
     aims: torch.Tensor
     corners: tuple[torch.Tensor, torch.Tensor]
     standing: torch.Tensor
+    clearance: torch.Tensor
     link_weights: torch.Tensor
     joint_weights: torch.Tensor
     seen: NDArray[np.float32]
@@ -111,6 +113,7 @@ class TrackedMotion:
             aims=aims,
             corners=corners,
             standing=standing(tensors["links"], corners),
+            clearance=corner_motion(tensors["links"], corners)[0],
             link_weights=_column(_link_weights(character), device),
             joint_weights=_column(_joint_weights(character), device),
             seen=seen,

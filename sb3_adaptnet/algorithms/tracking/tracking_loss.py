@@ -13,8 +13,8 @@ from sb3_adaptnet.world_model.state import State
 POSITION_SCALE, ORIENTATION_SCALE, VELOCITY_SCALE, SPIN_SCALE, ANGLE_SCALE = 0.1, 0.4, 1.0, 4.0, 0.25
 """Errors [m, rad, m/s, rad/s, rad] from which on the loss grows straight."""
 
-SLIP_SCALE = 0.1
-"""Speed of a sole [m/s] from which on its loss grows straight."""
+SLIP_SCALE, CLEARANCE_SCALE = 0.1, 0.03
+"""Speed [m/s] and error of the height [m] of a sole from which on their losses grow straight."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,7 @@ class TrackingWeights:
         position, orientation, velocity, spin: of the links.
         angle: of the joints.
         footing: of speeds over the ground where the reference's soles stand.
+        clearance: of the heights of the soles' corners: centimetres decide what is flight, and count little elsewhere.
     """
 
     position: float = 1.0
@@ -33,6 +34,7 @@ class TrackingWeights:
     spin: float = 0.1
     angle: float = 1.0
     footing: float = 0.0
+    clearance: float = 0.0
 
 
 def tracking_loss(
@@ -64,8 +66,8 @@ def tracking_loss(
         "spin": pseudo_huber(error[SPIN].square().sum(0), SPIN_SCALE).mean(0),
         "angle": _angle_loss(state, motion, phases),
     }
-    if weights.footing > 0:
-        squares["footing"] = _footing_loss(links, motion, phases)
+    if weights.footing > 0 or weights.clearance > 0:
+        squares |= _sole_losses(links, motion, phases)
     total = torch.zeros_like(turn_rates)
     for name, value in squares.items():
         total = total + getattr(weights, name) * value
@@ -77,9 +79,13 @@ def _angle_loss(state: State, motion: TrackedMotion, phases: torch.Tensor) -> to
     return (motion.joint_weights * pseudo_huber(square, ANGLE_SCALE)).mean(0)
 
 
-def _footing_loss(links: torch.Tensor, motion: TrackedMotion, phases: torch.Tensor) -> torch.Tensor:
-    _, square = corner_motion(links, motion.corners)
-    return (motion.standing[:, phases] * pseudo_huber(square, SLIP_SCALE)).mean(0)
+def _sole_losses(links: torch.Tensor, motion: TrackedMotion, phases: torch.Tensor) -> dict[str, torch.Tensor]:
+    heights, square = corner_motion(links, motion.corners)
+    error = heights - motion.clearance[:, phases]
+    return {
+        "footing": (motion.standing[:, phases] * pseudo_huber(square, SLIP_SCALE)).mean(0),
+        "clearance": pseudo_huber(error.square(), CLEARANCE_SCALE).mean(0),
+    }
 
 
 def turned(links: torch.Tensor, turn_rates: torch.Tensor) -> torch.Tensor:

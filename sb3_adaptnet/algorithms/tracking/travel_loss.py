@@ -5,13 +5,14 @@ from typing import NamedTuple
 
 import torch
 
-from adapt_envs.tasks.goal import GOAL_RADIUS, SHARPNESS
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.links import HeadingView
 from sb3_adaptnet.world_model.pseudo_huber import pseudo_huber
 
 VELOCITY_SCALE = 0.3
 """Error [m/s] from which on the loss grows straight."""
+GOAL_RADIUS, SHARPNESS = 0.5, 3.0
+"""Of the task's reward: within so many metres it is 1; the 3 in its exponent."""
 _NO_DIRECTION = 0.01
 """Closer than this [m] there is no direction to the target; the loss is 0 there anyway."""
 

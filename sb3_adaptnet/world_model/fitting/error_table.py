@@ -7,7 +7,7 @@ import torch
 
 from sb3_adaptnet.world_model.fitting.fit import open_loop, sample_starts
 from sb3_adaptnet.world_model.links import POSITION
-from sb3_adaptnet.world_model.model import WorldModel
+from sb3_adaptnet.world_model.model import Sizes, WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions
 
 HORIZONS = (1, 4, 8, 16, 32)
@@ -34,6 +34,11 @@ class ErrorTable:
         """The table as JSON values, rounded to 0.1 mm."""
         rounded = {name: [round(error, 4) for error in getattr(self, name)] for name in ("world", "heading")}
         return {"steps": list(self.steps), **rounded}
+
+    def at(self, steps: tuple[int, ...]) -> "ErrorTable":
+        """The rows of some of the horizons."""
+        rows = [self.steps.index(step) for step in steps]
+        return ErrorTable(steps, tuple(self.world[row] for row in rows), tuple(self.heading[row] for row in rows))
 
     def __str__(self) -> str:
         """The table for people."""
@@ -70,6 +75,13 @@ def error_table(
             world.append(_distance(links, true))
             heading.append(_distance(model.view(links).links, model.view(true).links))
     return ErrorTable(horizons, tuple(world), tuple(heading))
+
+
+def coasting(model: WorldModel) -> WorldModel:
+    """A model of the same character to whom nothing ever happens: velocities stay as they are."""
+    still = WorldModel(model.character, Sizes(1, 1))
+    torch.nn.init.zeros_(still.dynamics.last.weight)
+    return still
 
 
 def _distance(a: torch.Tensor, b: torch.Tensor) -> float:

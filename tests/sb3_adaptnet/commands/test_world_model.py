@@ -2,6 +2,8 @@
 
 import json
 
+import cv2
+
 from sb3_adaptnet.commands import world_model
 from sb3_adaptnet.commands.main import main
 
@@ -20,7 +22,14 @@ def test_a_model_is_fitted_and_measured(tmp_path, capsys, monkeypatch):
     assert card["training"]["policies"] == ["walk", "walk-stoop"]
     assert card["errors"]["steps"] == [1, 4, 8, 16, 32]
     assert main(["world-model", "eval", str(file), "--threads", "1"]) == 0
-    assert "steps ahead                1       4       8      16      32" in capsys.readouterr().out
+    first = capsys.readouterr().out
+    assert "steps ahead                1       4       8      16      32" in first
+    picture = tmp_path / "errors.png"
+    assert main(["world-model", "eval", str(file), "--threads", "1", "-o", str(picture)]) == 0
+    assert capsys.readouterr().out == f"{first}wrote {picture}\n"
+    assert (cv2.imread(str(picture)).std(axis=2) > 20).any()  # there are coloured lines
+    assert main(["world-model", "eval", "nothing.safetensors", "-o", str(tmp_path / "errors.txt")]) == 2
+    assert "must be .png" in capsys.readouterr().err
 
 
 def test_a_model_of_other_joints_is_not_measured(tmp_path, capsys, monkeypatch):

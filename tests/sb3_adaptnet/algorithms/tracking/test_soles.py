@@ -60,3 +60,16 @@ def test_sliding_costs_where_the_reference_stands(walk):
     assert torch.allclose(footed - plain, share * (np.sqrt(10.0) - 1), atol=0.4)  # the reference rolls, too
     still = tracking_loss(state, motion.links, motion, phases, rest, TrackingWeights(footing=1.0))
     assert still.max() < 0.25
+
+
+def test_soles_that_are_too_low_cost(walk):
+    motion, reference = walk[1], walk[0].reference_gaits([1.3])[0]
+    phases, rest = torch.arange(len(motion)), torch.zeros(len(motion))
+    state = State.from_mujoco(torch.tensor(reference.qpos).float(), torch.tensor(reference.qvel).float())
+    lowered = motion.links.clone()
+    lowered[6] -= 0.09
+    plain, cleared = (
+        tracking_loss(state, lowered, motion, phases, rest, TrackingWeights(clearance=weight)) for weight in (0.0, 2.0)
+    )
+    assert torch.allclose(cleared - plain, torch.tensor(2 * (np.sqrt(10.0) - 1)).float(), atol=1e-3)
+    assert tracking_loss(state, motion.links, motion, phases, rest, TrackingWeights(clearance=1.0)).max() < 1e-3

@@ -5,8 +5,9 @@ import pytest
 import torch
 from world_cases import CHARACTER, recorded
 
-from sb3_adaptnet.world_model.fitting.error_table import error_table
+from sb3_adaptnet.world_model.fitting.error_table import coasting, error_table
 from sb3_adaptnet.world_model.fitting.fit import Stage, fit, sample_starts, set_statistics
+from sb3_adaptnet.world_model.integration import CONTROL_DT
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 
 
@@ -53,3 +54,18 @@ def test_the_table_reads_well(data):
         "world frame [m]",
         "heading frame [m]",
     ]
+
+
+def test_a_coasting_model_keeps_the_velocities(data):
+    model = coasting(fresh(data))
+    starts = sample_starts(data, 1, 8, np.random.default_rng(0))
+    before = data.states(starts, 0)
+    after = model.step(before, model.view(model.kinematics(before)), data.actions_at(starts, 0))
+    assert torch.allclose(after.velocity, before.velocity, atol=1e-6)
+    assert torch.allclose(after.rates, before.rates, atol=1e-6)
+    assert torch.allclose(after.position, before.position + CONTROL_DT * before.velocity, atol=1e-5)
+
+
+def test_rows_of_a_table_can_be_chosen(data):
+    table = error_table(fresh(data), data, samples=10, horizons=(1, 2, 4, 8))
+    assert table.at((2, 8)).world == (table.world[1], table.world[3])
