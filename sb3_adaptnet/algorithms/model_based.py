@@ -150,7 +150,8 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             The guess's error; see `regress_to_servo_aims`.
         """
         if self.policy.knows_nothing or self.model_fit_is_due():
-            observations = self._fit_model(env, servo_aims(motion), progress_bar)
+            act = servo_aims(motion) if self.policy.knows_nothing else self._steady_action
+            observations = self._fit_model(env, act, progress_bar)
             if self.policy.knows_nothing:
                 self.policy.learn_statistics(torch.as_tensor(observations, device=self.device))
         return regress_to_servo_aims(self.policy, motion, env.simulation.goal_states.speed, updates, self.rng)

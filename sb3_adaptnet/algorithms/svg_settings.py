@@ -94,8 +94,8 @@ class ModelFits:
     Attributes:
         efforts: samples from which on it is fitted, each time from its first weights to all that was recorded, and a
             factor on the number of updates of a model that ships (1200 of one step and 900 of several). The first fit
-            is to servos that follow the motion alone, later ones also to the policy; they must come before the critic.
-            A resumed run has only the records made since.
+            is to what the policy's base does, or to servos that follow the motion if it has none; later ones also to
+            the policy. They must come before the critic. A resumed run has only the records made since.
         steps: control steps of every world that are recorded for a fit; they count as samples.
         width: of the network.
     """

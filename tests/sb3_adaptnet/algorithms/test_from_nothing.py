@@ -6,7 +6,8 @@ import torch
 from policy_cases import SIZES
 from world_cases import CHARACTER
 
-from sb3_adaptnet import AdaptVecEnv, PretrainPolicy, load_policy, save_base
+from sb3_adaptnet import AdaptNetPolicy, AdaptVecEnv, PretrainPolicy, load_policy, save_base
+from sb3_adaptnet.algorithms import model_based
 from sb3_adaptnet.algorithms.model_learning import fit_anew, record
 from sb3_adaptnet.algorithms.servo_regression import servo_aims
 from sb3_adaptnet.algorithms.svg import SVG
@@ -45,6 +46,28 @@ def test_what_was_recorded_counts_and_the_inputs_are_known(make):
     assert not model.policy.knows_nothing
     assert model.policy.actor.normalizer.count == 4 * STEPS * WORLDS
     assert (model.world_model.dynamics.input_scale != 1).any()
+
+
+def test_of_an_adaptation_the_base_is_recorded(walk_base, monkeypatch):
+    acted = []
+
+    def watched(env, act, steps, rng):
+        observations = env.reset()
+        acted.append(np.allclose(act(observations), base.predict(observations, deterministic=True)[0]))
+        return record(env, act, steps, rng)
+
+    monkeypatch.setattr(model_based, "record", watched)
+    env = AdaptVecEnv("AdaptNet/Humanoid-LockedAnklesWalk-v0", num_envs=WORLDS, num_threads=1, seed=0)
+    base = load_policy(walk_base, env)
+    model = SVG(
+        AdaptNetPolicy, env, "new", policy_kwargs={"base": str(walk_base)},
+        model_fits={"efforts": {0: 0.002}, "steps": STEPS, "width": 16}, guiding={"gaits": [0.9, 1.3]},
+        n_steps=8, window=4, gradient_steps=2, regression_updates=0, model_refresh={"updates": 1, "batch": 16},
+        seed=0, device="cpu",
+    )  # fmt: skip
+    model.learn(WORLDS * (STEPS + 8))
+    assert acted == [True]
+    assert len(model.world_model.character.joints) == env.action_space.shape[0] < 28
 
 
 def test_a_later_fit_begins_again_with_all_records(make):
