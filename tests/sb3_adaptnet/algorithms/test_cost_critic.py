@@ -62,6 +62,16 @@ def test_it_explains_the_costs_of_one_rollout_after_a_while(svg):
     assert not any(p.requires_grad for p in svg.critic.parameters())
 
 
+def test_rare_falls_count_by_how_often_they_come(svg):
+    training: CriticTraining = svg._critic_training
+    rng, state = np.random.default_rng(0), training._judged(svg._rollouts[-1]).inputs[:1]
+    training.critic.requires_grad_(True)
+    for _ in range(400):
+        costs = np.where(rng.random(512) < 0.05, 250.0, 50.0)
+        training._descend(state.expand(512, -1), torch.tensor(costs).float())
+    assert training.critic(state).item() == pytest.approx(0.95 * 50 + 0.05 * 250, abs=3)  # their median is 50
+
+
 def test_it_learns_long_before_it_first_acts(make_svg):
     model = make_svg(cost_to_go={**SHORT, "weight": {0: 0.0, 48: 0.0, 96: 0.25}})
     model.learn(48)
