@@ -111,6 +111,6 @@ def test_the_task_itself_can_be_a_cost(make_svg):
     without, asked = make_svg(), make_svg(loss_weights={"goal": 1.0})
     names = []
     for model in (without, asked):
-        model.learn(48)
+        model.learn(48, log_interval=None)
         names.append({name for name in model.logger.name_to_value if name.startswith("svg/")})
     assert names[1] - names[0] == {"svg/goal"}
