@@ -24,7 +24,7 @@ from sb3_adaptnet.world_model.state import State
 LEARNING_RATE, BATCH = 1e-3, 512
 """Adam's, and states per update."""
 RECENT = 12
-"""Latest rollouts that it learns from: of some, few worlds fall."""
+"""Latest rollouts that it learns from: in each, few worlds fall."""
 WIDTH = 256
 """Numbers of each of the two hidden layers."""
 SCALE = 20.0

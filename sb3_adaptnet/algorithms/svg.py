@@ -122,8 +122,8 @@ class SVG(ModelBasedAlgorithm):
         self.loss_weights = groups.grouped(groups.LossWeights, loss_weights)
         self.cost_to_go = groups.grouped(groups.CostToGo, cost_to_go)
         self.taming = GradientTaming()
-        if env is not None:
-            self._worlds_of_env().references(self.guiding.gaits)  # refuses a motion without its gaits
+        if env is not None and self.guiding.gaits:
+            self._worlds_of_env().references(self.guiding.gaits)  # refuses a motion without them
 
     def learn(
         self,
