@@ -109,22 +109,21 @@ class CriticTraining:
         optimizer: torch.optim.Optimizer,
         model: WorldModel,
         motion: TrackedMotion,
-        weights: LossWeights,
         settings: CostToGo,
+        rng: np.random.Generator,
+        logger: Logger,
     ) -> None:
-        """Teach `critic` what the losses with these `weights` cost over time."""
+        """Teach `critic` what the losses cost over time."""
         self.critic, self.optimizer, self.model, self.motion = critic, optimizer, model, motion
-        self.weights, self.settings = weights, settings
+        self.settings, self.rng, self.logger = settings, rng, logger
         self._seen: WeakKeyDictionary[RealRollout, _Judged] = WeakKeyDictionary()
 
-    def learned(
-        self, weight: float, rollouts: Sequence[RealRollout], rng: np.random.Generator, logger: Logger
-    ) -> CostToCome | None:
+    def learned(self, weight: float, losses: LossWeights, rollouts: Sequence[RealRollout]) -> CostToCome | None:
         """What the critic adds to the loss, after it learned; None, and nothing learned, without a weight."""
         if weight == 0:
             return None
-        for name, value in self.learn(rollouts, rng).items():
-            logger.record(f"svg/{name}", value)
+        for name, value in self.learn(losses, rollouts).items():
+            self.logger.record(f"svg/{name}", value)
         return self.to_come(weight)
 
     def to_come(self, weight: float) -> CostToCome:
@@ -136,14 +135,16 @@ class CriticTraining:
 
         return weighted
 
-    def learn(self, rollouts: Sequence[RealRollout], rng: np.random.Generator) -> dict[str, float]:
+    def learn(self, losses: LossWeights, rollouts: Sequence[RealRollout]) -> dict[str, float]:
         """Learn from the latest rollouts, longer the first time; every other batch is from the last one.
+
+        What a rollout costs stays what it was by the losses when it was new.
 
         Returns:
             What to log: mean target and explained share of the variance.
         """
         fresh = bool(self.critic.updates == 0)
-        recent = [self._judged(rollout) for rollout in rollouts[-RECENT:]]
+        recent = [self._judged(rollout, losses) for rollout in rollouts[-RECENT:]]
         explained, target = [], torch.zeros(1)
         self.critic.requires_grad_(True)
         aims: list[torch.Tensor] = []
@@ -151,11 +152,11 @@ class CriticTraining:
         for number in range(first if fresh else later):
             if number % later == 0:  # the critic's own values are in them
                 aims = [self._aims(judged) for judged in recent]
-            chosen = len(recent) - 1 if number % 2 == 0 else int(rng.integers(len(recent)))
+            chosen = len(recent) - 1 if number % 2 == 0 else int(self.rng.integers(len(recent)))
             known = (~aims[chosen].isnan()).nonzero()[:, 0]
             if not len(known):
                 continue
-            rows = known[torch.as_tensor(rng.integers(len(known), size=BATCH), device=known.device)]
+            rows = known[torch.as_tensor(self.rng.integers(len(known), size=BATCH), device=known.device)]
             target = aims[chosen][rows]
             explained.append(self._descend(recent[chosen].inputs[rows], target))
         self.critic.requires_grad_(False)
@@ -181,7 +182,7 @@ class CriticTraining:
         ).flatten()  # fmt: skip
 
     @torch.no_grad()
-    def _judged(self, rollout: RealRollout) -> _Judged:
+    def _judged(self, rollout: RealRollout, losses: LossWeights) -> _Judged:
         if rollout not in self._seen:
             device, data = self.model.middles.device, rollout.transitions
             inputs, costs = [], []
@@ -191,7 +192,7 @@ class CriticTraining:
                 view = self.model.view(self.model.kinematics(state))
                 guided = rollout.guided(step, ~ended, ended, device)
                 inputs.append(critic_inputs(self.model, self.motion, state, view, guided))
-                parts = state_costs(state, view, self.motion, guided, self.weights)
+                parts = state_costs(state, view, self.motion, guided, losses)
                 costs.append(torch.stack(list(parts.values())).sum(0))
             ends = (moving(part, device) for part in (data.ended, rollout.failed))
             self._seen[rollout] = _Judged(torch.cat(inputs), torch.stack(costs), *ends)

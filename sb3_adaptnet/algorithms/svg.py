@@ -61,7 +61,7 @@ class SVG(ModelBasedAlgorithm):
         exploration: groups.Exploration | Mapping[str, Any] | None = None,
         model_refresh: groups.ModelRefresh | Mapping[str, Any] | None = None,
         model_fits: groups.ModelFits | Mapping[str, Any] | None = None,
-        loss_weights: groups.LossWeights | Mapping[str, Any] | None = None,
+        loss_weights: groups.LossWeights | Mapping[str, Schedule] | None = None,
         cost_to_go: groups.CostToGo | Mapping[str, Any] | None = None,
         stats_window_size: int = 100,
         tensorboard_log: str | None = None,
@@ -91,7 +91,7 @@ class SVG(ModelBasedAlgorithm):
             exploration: noise on the actions.
             model_refresh: how the model keeps up.
             model_fits: how a new model begins.
-            loss_weights: of the loss's parts.
+            loss_weights: of the loss's parts; each a number, or samples -> number.
             cost_to_go: the critic of what comes after a window.
             stats_window_size: episodes that the logged means are of.
             tensorboard_log: folder for TensorBoard.
@@ -113,13 +113,12 @@ class SVG(ModelBasedAlgorithm):
         )  # fmt: skip
         if not 0 < window <= n_steps:
             raise ValueError(f"window is {window}, expected 1 to n_steps, which is {n_steps}")
-        self.n_steps, self.window, self.gradient_steps = n_steps, window, gradient_steps
-        self.recent_rollouts, self.regression_updates = recent_rollouts, regression_updates
-        self.average_decay = average_decay
+        self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
+        self.gradient_steps, self.recent_rollouts, self.average_decay = gradient_steps, recent_rollouts, average_decay
         self.episodes = groups.grouped(groups.Episodes, episodes)
         self.guiding = groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)
-        self.loss_weights = groups.grouped(groups.LossWeights, loss_weights)
+        self.loss_weights = groups.LossSchedules.of(loss_weights)
         self.cost_to_go = groups.grouped(groups.CostToGo, cost_to_go)
         self.taming = GradientTaming()
         if env is not None and self.guiding.gaits:
@@ -137,14 +136,13 @@ class SVG(ModelBasedAlgorithm):
         """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
         env = self._worlds_of_env()
-        references = env.references(self.guiding.gaits)
-        self.motion = TrackedMotion.of(self.world_model.character, self.device, references)
+        self.motion = TrackedMotion.of(self.world_model.character, self.device, env.references(self.guiding.gaits))
         callbacks.on_training_start(locals(), globals())
         if self._n_updates == 0:
             error = self._begin(env, self.motion, self.regression_updates, progress_bar)
             self.logger.record("svg/first_guess_error", error)
         self._critic_training = CriticTraining(
-            self.critic, self.critic_optimizer, self.world_model, self.motion, self.loss_weights, self.cost_to_go
+            self.critic, self.critic_optimizer, self.world_model, self.motion, self.cost_to_go, self.rng, self.logger
         )
         self._set_out(env)
         iteration = 0
@@ -216,23 +214,25 @@ class SVG(ModelBasedAlgorithm):
         loss = refresh(self.world_model, self.world_optimizer, self._rollouts, self.model_refresh, self.rng)
         self.logger.record("svg/model_loss", loss)
         update_learning_rate(self.policy.optimizer, self._learning_rate_now())
-        critic_weight = self._now(self.cost_to_go.weight)
-        to_come = self._critic_training.learned(critic_weight, list(self._rollouts), self.rng, self.logger)
-        frozen, recent = self.world_model.frozen(), list(self._rollouts)[-self.recent_rollouts :]
+        weights, rollouts = self.loss_weights.at(self.num_timesteps), list(self._rollouts)
+        to_come = self._critic_training.learned(self._now(self.cost_to_go.weight), weights, rollouts)
+        frozen, recent = self.world_model.frozen(), rollouts[-self.recent_rollouts :]
         logs = []
         with self.weight_average.learning():
             for number in range(self.gradient_steps):
                 rollout = recent[-1 if number % 2 == 0 else self.rng.integers(len(recent))]
-                logs.append(self._improve(frozen, rollout, to_come))
+                logs.append(self._improve(frozen, rollout, weights, to_come))
         for name in logs[0]:
             self.logger.record(f"svg/{name}", float(np.mean([log[name] for log in logs])))
 
-    def _improve(self, model: WorldModel, rollout: RealRollout, to_come: CostToCome | None) -> dict[str, float]:
+    def _improve(
+        self, model: WorldModel, rollout: RealRollout, weights: groups.LossWeights, to_come: CostToCome | None
+    ) -> dict[str, float]:
         """One update of the policy along a window of a rollout; returns what to log."""
         start = int(self.rng.integers(len(rollout) - self.window + 1))
         with self.policy.actor.one_update(self.window):
             steps = imagine(self._mean_action, model, rollout, start, self.window, self.taming)
-            loss, parts = window_loss(steps, self.motion, self.loss_weights, to_come)
+            loss, parts = window_loss(steps, self.motion, weights, to_come)
             self.policy.optimizer.zero_grad()
             loss.backward()
         length = self.norm_limit.apply(self._learned_weights())

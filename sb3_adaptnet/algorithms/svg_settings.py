@@ -1,7 +1,7 @@
 """What one may choose of SVG, in groups; a YAML entry gives each group as a mapping."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
 from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
-from sb3_adaptnet.objectives.schedule import Schedule, check_schedule
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 
 Group = TypeVar("Group")
 
@@ -165,6 +165,34 @@ class LossWeights(TrackingWeights, TravelWeights):
     """
 
     smoothness: float = 0.02
+
+
+@dataclass(frozen=True)
+class LossSchedules:
+    """`LossWeights` that change with the samples: what shapes the end of a training may be in the way of its beginning.
+
+    Attributes:
+        weights: name of a weight -> its schedule; the others keep their defaults.
+    """
+
+    weights: Mapping[str, Schedule]
+
+    @classmethod
+    def of(cls, given: LossWeights | Mapping[str, Schedule] | None) -> "LossSchedules":
+        """Schedules from weights that stay as they are, or by name.
+
+        Raises:
+            ValueError: for an unknown name, or a number that is negative or none.
+        """
+        weights = asdict(given) if isinstance(given, LossWeights) else dict(given or {})
+        grouped(LossWeights, weights)  # refuses names that it has not
+        for name, schedule in weights.items():
+            check_schedule(name, schedule)
+        return cls(weights)
+
+    def at(self, samples: int) -> LossWeights:
+        """The weights after `samples` samples."""
+        return LossWeights(**{name: value_at(schedule, samples) for name, schedule in self.weights.items()})
 
 
 def grouped(kind: type[Group], given: Group | Mapping[str, Any] | None) -> Group:

@@ -24,7 +24,7 @@ def window(svg, steps=4):
 
 def test_it_reads_real_and_imagined_states_alike(svg):
     svg.collect_rollout(quiet())
-    judged = svg._critic_training._judged(svg._rollouts[-1])
+    judged = svg._critic_training._judged(svg._rollouts[-1], svg.loss_weights.at(0))
     read = judged.inputs.view(*judged.costs.shape, -1)
     with torch.no_grad(), svg.weight_average.learning():
         steps = list(window(svg))
@@ -32,7 +32,7 @@ def test_it_reads_real_and_imagined_states_alike(svg):
     for number, step in enumerate(steps, start=1):
         found = critic_inputs(svg.world_model, svg.motion, step.state, step.view, step.guided)
         assert torch.allclose(found[on], read[number][on], atol=0.05)  # normalised: soles are in centimetres
-        costs = state_costs(step.state, step.view, svg.motion, step.guided, svg.loss_weights)
+        costs = state_costs(step.state, step.view, svg.motion, step.guided, svg.loss_weights.at(0))
         assert torch.allclose(sum(costs.values())[on], judged.costs[number][on], atol=1e-2)
 
 
@@ -45,8 +45,8 @@ def test_every_world_is_valued_once_where_it_is_last_seen(svg):
 
 
 def test_slopes_reach_the_policy_through_the_value_alone(svg):
-    loss, parts = window_loss(window(svg), svg.motion, svg.loss_weights, svg._critic_training.to_come(1.0))
-    plain, _ = window_loss(window(svg), svg.motion, svg.loss_weights)
+    loss, parts = window_loss(window(svg), svg.motion, svg.loss_weights.at(0), svg._critic_training.to_come(1.0))
+    plain, _ = window_loss(window(svg), svg.motion, svg.loss_weights.at(0))
     assert float((loss - plain).detach()) == pytest.approx(parts["to_come"], rel=1e-3)
     assert parts["to_come"] > 0
     slopes = torch.autograd.grad(loss - plain, svg._learned_weights(), allow_unused=True)
@@ -56,7 +56,7 @@ def test_slopes_reach_the_policy_through_the_value_alone(svg):
 def test_it_explains_the_costs_of_one_rollout_after_a_while(svg):
     training: CriticTraining = svg._critic_training
     for _ in range(100):
-        log = training.learn([svg._rollouts[-1]], np.random.default_rng(0))
+        log = training.learn(svg.loss_weights.at(0), [svg._rollouts[-1]])
     assert log["critic_explains"] > 0.5
     assert log["cost_to_go"] > 0
     assert not any(p.requires_grad for p in svg.critic.parameters())
@@ -64,7 +64,7 @@ def test_it_explains_the_costs_of_one_rollout_after_a_while(svg):
 
 def test_rare_falls_count_by_how_often_they_come(svg):
     training: CriticTraining = svg._critic_training
-    rng, state = np.random.default_rng(0), training._judged(svg._rollouts[-1]).inputs[:1]
+    rng, state = np.random.default_rng(0), training._judged(svg._rollouts[-1], svg.loss_weights.at(0)).inputs[:1]
     training.critic.requires_grad_(True)
     for _ in range(400):
         costs = np.where(rng.random(512) < 0.05, 250.0, 50.0)

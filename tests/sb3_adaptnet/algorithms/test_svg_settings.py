@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from sb3_adaptnet.algorithms.svg_loss import smoothness_loss
-from sb3_adaptnet.algorithms.svg_settings import CostToGo, Episodes, Exploration, LossWeights, grouped
+from sb3_adaptnet.algorithms.svg_settings import CostToGo, Episodes, Exploration, LossSchedules, LossWeights, grouped
 
 
 def test_smoothness_is_the_squared_change():
@@ -26,3 +26,16 @@ def test_settings_come_in_groups():
         Episodes(goal_spread={0: -1.0})
     with pytest.raises(ValueError, match="discount"):
         CostToGo(discount=1.0)
+
+
+def test_weights_of_the_loss_may_change_with_the_samples():
+    schedules = LossSchedules.of({"footing": {0: 0.2, 1000: 1.0}, "goal": 2})
+    assert [schedules.at(samples).footing for samples in (0, 500, 2000)] == pytest.approx([0.2, 0.6, 1.0])
+    assert schedules.at(0).goal == 2
+    assert schedules.at(0).travel == LossWeights().travel
+    assert LossSchedules.of(LossWeights(goal=3)).at(7) == LossWeights(goal=3)
+    assert LossSchedules.of(None).at(0) == LossWeights()
+    with pytest.raises(ValueError, match="LossWeights has no 'gaol'; it has "):
+        LossSchedules.of({"gaol": 1.0})
+    with pytest.raises(ValueError, match="footing must be a number or"):
+        LossSchedules.of({"footing": {0: -1.0}})
