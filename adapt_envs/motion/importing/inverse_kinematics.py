@@ -9,6 +9,8 @@ from scipy.ndimage import gaussian_filter1d
 from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import FEET, joint_names
 from adapt_envs.motion.importing.draft import Array, Draft
+from adapt_envs.motion.importing.gait_cycle import repeated
+from adapt_envs.motion.importing.planted_feet import planted
 from adapt_envs.progress import Progress
 
 _STEPS = 3
@@ -44,6 +46,25 @@ def settled(draft: Draft, progress: Progress = iter) -> Array:
     first = _solved(replace(draft, qpos=wanted), _ROOT_COSTS[0], progress)
     wanted[:, :3] += gaussian_filter1d(first[:, :3] - wanted[:, :3], _ROOT_SMOOTHING, axis=0, mode="nearest")
     return _solved(replace(draft, qpos=wanted), _ROOT_COSTS[1], progress)
+
+
+def looped(cycle: Draft, progress: Progress = iter, clean: bool = False) -> Array:
+    """Solve a closed cycle amid its own repetitions, its feet planted, and keep the middle one.
+
+    Args:
+        cycle: a cycle of T frames, the last of which is like the first.
+        progress: wraps the frame numbers, for a progress bar.
+        clean: of `planted`.
+
+    Returns:
+        (T, 7 + J) configurations, starting above the origin.
+    """
+    period = len(cycle) - 1
+    qpos = settled(planted(repeated(cycle, 3), clean), progress)[period : 2 * period + 1]
+    qpos[:, :2] -= qpos[0, :2]
+    step = cycle.qpos[-1, :2] - cycle.qpos[0, :2]
+    qpos[-1] = np.concatenate([qpos[0, :2] + step, qpos[0, 2:]])
+    return qpos
 
 
 def _solved(draft: Draft, root_costs: tuple[float, float], progress: Progress) -> Array:

@@ -8,11 +8,11 @@ from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion.clip import MotionClip, MotionError
 from adapt_envs.motion.importing.bvh import read_bvh
-from adapt_envs.motion.importing.draft import Array, Draft, resampled
+from adapt_envs.motion.importing.draft import Draft, resampled
 from adapt_envs.motion.importing.files import read_text
 from adapt_envs.motion.importing.foreign_body import is_own
-from adapt_envs.motion.importing.gait_cycle import closed, find_cycle, repeated
-from adapt_envs.motion.importing.inverse_kinematics import settled
+from adapt_envs.motion.importing.gait_cycle import closed, find_cycle
+from adapt_envs.motion.importing.inverse_kinematics import looped, settled
 from adapt_envs.motion.importing.official_json import read_official_json
 from adapt_envs.motion.importing.planted_feet import grounded, planted
 from adapt_envs.motion.importing.retarget import retarget
@@ -61,7 +61,7 @@ def import_motion(
     except MotionError as error:
         raise MotionError(f"{path}: {error}") from None
     origin += f", frames {cycle.first} to {cycle.first + cycle.period} at 30 Hz"
-    qpos = _looped(closed(draft, cycle), progress).astype(np.float64)
+    qpos = looped(closed(draft, cycle), progress).astype(np.float64)
     return MotionClip(path.stem, qpos, joint_names(), cyclic=True, origin=origin)
 
 
@@ -90,13 +90,3 @@ def _possible(draft: Draft) -> bool:
     """Whether no angle lies farther beyond its limits than a simulated one may."""
     low, high = plain_model().jnt_range[1:].T
     return bool(((draft.qpos[:, 7:] > low - _GIVE) & (draft.qpos[:, 7:] < high + _GIVE)).all())
-
-
-def _looped(cycle: Draft, progress: Progress) -> Array:
-    """Solve a closed cycle amid its own repetitions, and keep the middle one."""
-    period = len(cycle) - 1
-    qpos = settled(planted(repeated(cycle, 3)), progress)[period : 2 * period + 1]
-    qpos[:, :2] -= qpos[0, :2]
-    step = cycle.qpos[-1, :2] - cycle.qpos[0, :2]
-    qpos[-1] = np.concatenate([qpos[0, :2] + step, qpos[0, 2:]])
-    return qpos

@@ -39,14 +39,21 @@ def grounded(draft: Draft) -> Draft:
     return draft.moved(np.array([0.0, 0.0, -np.quantile(lowest, _GROUND_QUANTILE)]))
 
 
-def planted(draft: Draft) -> Draft:
-    """The draft with foot targets that neither sink, float nor slide while they stand; the rest stays."""
+def planted(draft: Draft, clean: bool = False) -> Draft:
+    """The draft with foot targets that neither sink, float nor slide while they stand; the rest stays.
+
+    Args:
+        draft: a motion.
+        clean: whether its feet were right but for millimetres: then nothing beside the stances changes, so that
+            flights of two frames stay flights.
+    """
+    ramp, clearance = (1, 0.0) if clean else (_RAMP, _CLEARANCE)
     pos = draft.foot_pos.copy()
     for side in range(len(FEET)):
         corners = corners_in_world(pos, draft.foot_quat)[:, side]
         stances = _runs(standing(corners))
         pos[:, side, :2] += _held(corners, stances)
-        pos[:, side, 2] += _levelled(corners[..., 2].min(axis=1), stances)
+        pos[:, side, 2] += _levelled(corners[..., 2].min(axis=1), stances, ramp, clearance)
     return replace(draft, foot_pos=pos)
 
 
@@ -102,15 +109,15 @@ def _eased(rows: NDArray[np.integer], known: NDArray[np.integer], values: Array)
     return values[before] * (1 - share) + values[after] * share
 
 
-def _levelled(lowest: Array, stances: list[tuple[int, int]]) -> Array:
+def _levelled(lowest: Array, stances: list[tuple[int, int]], ramp: int, clearance: float) -> Array:
     """Change of height (T,) [m] of a foot whose lowest corner is at `lowest`.
 
-    Down (or up) to the ground in a stance, fading over a few frames; clear of the ground between stances.
+    Down (or up) to the ground in a stance, fading over `ramp` frames; clear of the ground between stances.
     """
     frames = np.arange(len(lowest))
     away = np.full(len(lowest), float(len(lowest)))
     for first, last in stances:
         away = np.minimum(away, np.maximum(np.maximum(first - frames, frames - last), 0))
-    down = -np.clip(1 - away / _RAMP, 0, 1) * np.maximum(lowest, 0)
-    clear = _CLEARANCE * np.clip(away / _CLEAR_FRAMES, 0, 1)
+    down = -np.clip(1 - away / ramp, 0, 1) * np.maximum(lowest, 0)
+    clear = clearance * np.clip(away / _CLEAR_FRAMES, 0, 1)
     return np.maximum(down, clear - lowest)
