@@ -17,6 +17,7 @@ from sb3_adaptnet.algorithms.svg_loss import CostToCome, state_costs
 from sb3_adaptnet.algorithms.svg_settings import CostToGo, LossWeights
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.travel_loss import VELOCITY_SCALE, travel_errors
+from sb3_adaptnet.objectives.schedule import value_at
 from sb3_adaptnet.world_model.links import HeadingView
 from sb3_adaptnet.world_model.model import WorldModel
 from sb3_adaptnet.world_model.state import State
@@ -116,12 +117,15 @@ class CriticTraining:
         """Teach `critic` what the losses cost over time."""
         self.critic, self.optimizer, self.model, self.motion = critic, optimizer, model, motion
         self.settings, self.rng, self.logger = settings, rng, logger
+        self.end_cost = value_at(settings.end_cost, 0)
         self._seen: WeakKeyDictionary[RealRollout, _Judged] = WeakKeyDictionary()
 
-    def learned(self, weight: float, losses: LossWeights, rollouts: Sequence[RealRollout]) -> CostToCome | None:
-        """What the critic adds to the loss, after it learned; None, and nothing learned, without a weight."""
+    def learned(self, samples: int, losses: LossWeights, rollouts: Sequence[RealRollout]) -> CostToCome | None:
+        """What the critic adds to the loss, after it learned; None, and nothing learned, without a weight now."""
+        weight = value_at(self.settings.weight, samples)
         if weight == 0:
             return None
+        self.end_cost = value_at(self.settings.end_cost, samples)
         for name, value in self.learn(losses, rollouts).items():
             self.logger.record(f"svg/{name}", value)
         return self.to_come(weight)
@@ -178,7 +182,7 @@ class CriticTraining:
         settings, values = self.settings, self.critic(judged.inputs).view_as(judged.costs)
         return costs_to_go(
             judged.costs, values, judged.ended, judged.failed,
-            discount=settings.discount, trace=settings.trace, end_cost=settings.end_cost,
+            discount=settings.discount, trace=settings.trace, end_cost=self.end_cost,
         ).flatten()  # fmt: skip
 
     @torch.no_grad()

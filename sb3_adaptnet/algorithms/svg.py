@@ -215,7 +215,7 @@ class SVG(ModelBasedAlgorithm):
         self.logger.record("svg/model_loss", loss)
         update_learning_rate(self.policy.optimizer, self._learning_rate_now())
         weights, rollouts = self.loss_weights.at(self.num_timesteps), list(self._rollouts)
-        to_come = self._critic_training.learned(self._now(self.cost_to_go.weight), weights, rollouts)
+        to_come = self._critic_training.learned(self.num_timesteps, weights, rollouts)
         frozen, recent = self.world_model.frozen(), rollouts[-self.recent_rollouts :]
         logs = []
         with self.weight_average.learning():

@@ -134,14 +134,14 @@ class CostToGo:
         discount: what a cost counts one control step later.
         trace: lambda of TD(lambda).
         end_cost: cost-to-go of a fall and of an end by the error. It must be above what a bad state costs otherwise:
-            60 was not.
+            60 was not. 300 while most episodes still end by their error drowns all else.
         updates: before it acts first, and per rollout from then on.
     """
 
     weight: Schedule = 0.25
     discount: float = 0.97
     trace: float = 0.9
-    end_cost: float = 100.0
+    end_cost: Schedule = 100.0
     updates: tuple[int, int] = (300, 12)
 
     def __post_init__(self) -> None:

@@ -8,6 +8,7 @@ from sb3_adaptnet.algorithms.cost_critic import CriticTraining, critic_inputs
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.svg import SVG
 from sb3_adaptnet.algorithms.svg_loss import state_costs, window_loss
+from sb3_adaptnet.algorithms.svg_settings import CostToGo
 from sb3_adaptnet.runs.saver import restore, snapshot
 
 SHORT = {"updates": (6, 2)}
@@ -70,6 +71,19 @@ def test_rare_falls_count_by_how_often_they_come(svg):
         costs = np.where(rng.random(512) < 0.05, 250.0, 50.0)
         training._descend(state.expand(512, -1), torch.tensor(costs).float())
     assert training.critic(state).item() == pytest.approx(0.95 * 50 + 0.05 * 250, abs=3)  # their median is 50
+
+
+def test_what_an_end_costs_may_grow_with_the_samples(svg):
+    training: CriticTraining = svg._critic_training
+    training.settings = CostToGo(weight=1.0, end_cost={0: 100.0, 1000: 300.0}, discount=0.9, updates=(1, 1))
+    judged = training._judged(svg._rollouts[-1], svg.loss_weights.at(0))
+    failed = torch.zeros_like(judged.failed)
+    failed[-1] = True
+    doomed = judged._replace(failed=failed, ended=failed)
+    for samples, end_cost in ((0, 100.0), (500, 200.0), (5000, 300.0)):
+        assert training.learned(samples, svg.loss_weights.at(0), [svg._rollouts[-1]]) is not None
+        aims = training._aims(doomed).view_as(failed)
+        assert torch.allclose(aims[-2], torch.tensor(0.9 * end_cost))
 
 
 def test_it_learns_long_before_it_first_acts(make_svg):
