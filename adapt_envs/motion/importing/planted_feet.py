@@ -44,8 +44,8 @@ def planted(draft: Draft, clean: bool = False) -> Draft:
 
     Args:
         draft: a motion.
-        clean: whether its feet were right but for millimetres: then nothing beside the stances changes, so that
-            flights of two frames stay flights.
+        clean: whether its swings are right as they are: then only stances change, so that flights of two frames stay
+            flights.
     """
     ramp, clearance = (1, 0.0) if clean else (_RAMP, _CLEARANCE)
     pos = draft.foot_pos.copy()
