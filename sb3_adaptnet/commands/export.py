@@ -12,7 +12,7 @@ from stable_baselines3.common.utils import ConstantSchedule
 from adapt_envs import AdaptVectorEnv, TaskSpec
 from adapt_envs.commands.output import check_output
 from adapt_envs.motion.library import load_clip, ships
-from sb3_adaptnet.commands.policy_options import shared_out, styles_of
+from sb3_adaptnet.commands.policy_options import ProgressBar, shared_out, styles_of
 from sb3_adaptnet.evaluation.card import TRAINING_MEANS
 from sb3_adaptnet.exporting import Exported, save_onnx
 from sb3_adaptnet.runs.curve import panels
@@ -20,9 +20,11 @@ from sb3_adaptnet.runs.experiment import Experiment
 from sb3_adaptnet.runs.history import Row, read_rows
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.runs.training import make_worlds
+from sb3_adaptnet.runs.world_export import export_world, has_new_world
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.checkpoint import BASE, read_kind, save_adaptation, save_base
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
+from sb3_adaptnet.world_model.world_file import beside_base, has_world
 
 ONNX_SUFFIX = ".onnx"
 CLIP_SUFFIX = ".motion.npz"
@@ -51,7 +53,10 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if len(options.what) > 1:
         raise ValueError(f"only ONNX takes several policies; {options.output!r} does not end in .onnx")
-    print(export(options.what[0], options.output, options.half))
+    file = export(options.what[0], options.output, options.half)
+    print(file)
+    if has_new_world(RunFolder.open(options.what[0])) and has_world(file):
+        print(beside_base(file))
     return 0
 
 
@@ -91,7 +96,8 @@ def export(run_dir: str | Path, output: str | Path, half: bool = False) -> Path:
         half: store the weights in half precision.
 
     Returns:
-        The file; its card lies beside it, and a copy of the clip if that is none of those that ship.
+        The file; its card lies beside it, a copy of the clip if that is none of those that ship, and the world model
+        if the run made a base and began without one.
 
     Raises:
         ValueError: if there is no run, no checkpoint, or the output's folder does not exist.
@@ -109,8 +115,10 @@ def export(run_dir: str | Path, output: str | Path, half: bool = False) -> Path:
     motion = None if spec is None else spec.motion
     card = card_of(folder, entry, int(state["samples"]), spec) | clip_of(motion, Path(output))
     worlds.close()
-    save = save_base if policy.export()[0] == BASE else save_adaptation
-    file = save(policy, output, half, **card)
+    is_base = policy.export()[0] == BASE
+    file = (save_base if is_base else save_adaptation)(policy, output, half, **card)
+    if is_base and has_new_world(folder):
+        export_world(folder, state, file, ProgressBar("measuring the world model"))
     if motion is not None and not ships(motion):
         load_clip(motion).save(file.with_name(card["motion"]))
     return file

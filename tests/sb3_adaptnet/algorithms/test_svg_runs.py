@@ -6,6 +6,7 @@ import json
 import pytest
 import torch
 import yaml
+from policy_cases import SIZES
 
 from sb3_adaptnet import hyperparameters, load_policy
 from sb3_adaptnet.commands.main import main
@@ -13,7 +14,7 @@ from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.runs.saver import restore, snapshot
 from sb3_adaptnet.runs.training import build_learner
-from sb3_adaptnet.world_model.world_file import save_world
+from sb3_adaptnet.world_model.world_file import read_world, save_world
 
 STOOP = "AdaptNet/Humanoid-Stoop-v0"
 
@@ -60,6 +61,27 @@ def test_a_checkpoint_restores_policy_model_and_randomness(words, tmp_path):
     assert len(again["optimizer"]["state"]) == len(state["world"]["optimizer"]["state"]) > 0
     del state["world"]["fits_done"]  # as checkpoints were before models began from nothing
     restore(learner.model, None, state)
+
+
+def test_a_base_from_nothing_is_exported_with_its_world_model(tmp_path, capsys):
+    entry = {
+        "policy": "sb3_adaptnet.PretrainPolicy", "world_model": "new", "n_envs": 6, "n_timesteps": 96, "n_steps": 8,
+        "window": 4, "gradient_steps": 1, "regression_updates": 1, "model_refresh": {"updates": 1, "batch": 8},
+        "model_fits": {"efforts": {0: 0.002}, "steps": 8, "width": 16}, "guiding": {"gaits": [0.9]},
+        "policy_kwargs": SIZES,
+    }  # fmt: skip
+    walk, conf, run = "AdaptNet/Humanoid-Walk-v0", tmp_path / "tiny.yml", tmp_path / "run"
+    conf.write_text(yaml.safe_dump({walk: entry}))
+    words = ["train", walk, "--algo", "svg", "--conf-file", str(conf), "--threads", "1", "--quiet"]
+    assert main([*words, "--run-dir", str(run)]) == 0
+    capsys.readouterr()
+    assert main(["export", str(run), "-o", str(tmp_path / "mine.safetensors")]) == 0
+    world = tmp_path / "mine.world.safetensors"
+    assert capsys.readouterr().out.split() == [str(tmp_path / "mine.safetensors"), str(world)]
+    model, card = read_world(world)
+    state = RunFolder.open(run).load()["world"]["model"]
+    assert all(torch.allclose(model.state_dict()[name], tensor, 1e-3, 1e-4) for name, tensor in state.items())
+    assert card["training"] == {"policies": ["mine"], "samples": 96, "seed": 0} and len(card["errors"]["world"]) == 5
 
 
 def test_the_entries_that_ship_are_svgs():
