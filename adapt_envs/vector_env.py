@@ -63,20 +63,22 @@ class Adjustable:
     worlds: Worlds
 
     @property
-    def push_scale(self) -> float:
-        """Factor on the force of pushes, 1 unless set.
+    def push_scale(self) -> NDArray[np.float64]:
+        """Factors (N,) on the force of pushes; 1 unless set.
 
-        Setting it raises ValueError if the task has no pushes, and for a negative or non-finite factor.
+        Set it to one factor for all worlds or to one for each; ValueError if the task has no pushes, and for a negative
+        or non-finite factor.
         """
-        return 1.0 if self.worlds.pushes is None else self.worlds.pushes.scale
+        return np.ones_like(self.worlds.goals.spread) if self.worlds.pushes is None else self.worlds.pushes.scale
 
     @push_scale.setter
-    def push_scale(self, scale: float) -> None:
+    def push_scale(self, factors: ArrayLike) -> None:
         if self.worlds.pushes is None:
             raise ValueError("this environment has no pushes to scale; give it `push=PushSchedule(...)`")
-        if not 0 <= scale < np.inf:
-            raise ValueError(f"push_scale is {scale!r}, expected a factor of at least 0")
-        self.worlds.pushes.scale = float(scale)
+        scale = np.broadcast_to(np.asarray(factors, np.float64), self.worlds.pushes.scale.shape).copy()
+        if not ((scale >= 0) & np.isfinite(scale)).all():
+            raise ValueError(f"push_scale is {factors!r}, expected factors of at least 0")
+        self.worlds.pushes.scale = scale
 
     @property
     def goal_spread(self) -> NDArray[np.float64]:

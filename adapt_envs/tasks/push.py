@@ -39,14 +39,14 @@ class Pushes:
 
     Attributes:
         schedule: when and how hard.
-        scale: factor on the force, to let it grow in training; 1 is the schedule's.
+        scale: (N,) factors on the force, to let it grow in training; 1 is the schedule's.
         force: (N, 3) force that acts now [N], world; zero where none does.
     """
 
     def __init__(self, schedule: PushSchedule, num_worlds: int) -> None:
         """Pushes of `num_worlds` worlds; `restart` comes first."""
         self.schedule = schedule
-        self.scale = 1.0
+        self.scale = np.ones(num_worlds)
         self.force = np.zeros((num_worlds, 3))
         self._until_next = np.zeros(num_worlds, np.int64)
         self._left = np.zeros(num_worlds, np.int64)
@@ -66,7 +66,7 @@ class Pushes:
         if len(ids):
             angle = rng.uniform(0, 2 * np.pi, len(ids))
             direction = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(ids))], axis=-1)
-            self.force[ids] = self.scale * self.schedule.force * direction
+            self.force[ids] = self.scale[ids, None] * self.schedule.force * direction
             self._left[ids] = max(1, round(self.schedule.seconds / CONTROL_DT))
             self._until_next[ids] = self._waits(len(ids), rng) - 1
         return self.force

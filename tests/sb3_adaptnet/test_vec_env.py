@@ -106,7 +106,9 @@ def test_ramps_reach_worlds_behind_wrappers():
         set_in_worlds(env, "push_scale", 0.25)
         assert env.get_attr("push_scale")[0] == 0.25
         worlds = env.envs[0].unwrapped if isinstance(env, DummyVecEnv) else env.vector_env.unwrapped
-        assert worlds.worlds.pushes.scale == 0.25
+        assert (worlds.worlds.pushes.scale == 0.25).all()
+        set_in_worlds(env, "push_scale", np.array([0.5, 0.25])[: env.num_envs])
+        assert worlds.worlds.pushes.scale.tolist() == [0.5, 0.25][: env.num_envs]
         env.close()
 
 

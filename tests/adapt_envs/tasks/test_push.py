@@ -72,16 +72,25 @@ def test_the_scale_grows_the_force_and_a_reset_ends_a_push():
     env = make_vector(env_id("PushRun"), 4)
     env.reset(seed=0)
     env.push_scale = 0.5
-    assert env.push_scale == 0.5
+    assert (env.push_scale == 0.5).all() and env.push_scale.shape == (4,)
     env.worlds.pushes._until_next[:] = 0
     pose = np.tile(env.single_action_space.mean_pose, (4, 1))
     env.step(pose)
     assert np.allclose(np.linalg.norm(env.worlds.pushes.force, axis=1), 500)
+    env.push_scale = [0, 0.25, 0.5, 1]
+    env.worlds.pushes._until_next[:] = 0
+    env.step(pose)
+    assert np.allclose(np.linalg.norm(env.worlds.pushes.force, axis=1), [0, 250, 500, 1000])
+    env.push_scale = 0.5
+    env.worlds.pushes._until_next[:] = 0
+    env.step(pose)
     env.worlds.reset(np.array([1]))
     assert not env.worlds.pushes.force[1].any()
     assert env.worlds.pushes.force[[0, 2, 3]].any(axis=1).all()
     with pytest.raises(ValueError, match="-1"):
         env.push_scale = -1
+    with pytest.raises(ValueError, match="inf"):
+        env.push_scale = [0, 0, 0, np.inf]
     plain = make_vector(env_id("Walk"), 1)
     assert plain.push_scale == 1
     with pytest.raises(ValueError, match="no pushes"):

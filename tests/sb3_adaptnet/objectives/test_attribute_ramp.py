@@ -1,7 +1,9 @@
 """Attributes of the worlds that move with the samples."""
 
+import numpy as np
 import pytest
 from objective_cases import Check, make_model
+from stable_baselines3 import PPO
 from toy_env import ToyVectorEnv
 
 from sb3_adaptnet import (
@@ -18,6 +20,16 @@ def test_a_ramp_moves_an_attribute_with_the_samples():
     assert seen == pytest.approx([0.2, 0.15, 0.1, 0.1])
     with pytest.raises(ValueError, match="positive.*0"):
         AttributeRamp("drift", 0.0, 1.0, samples=0)
+
+
+def test_the_worlds_of_a_ramp_with_a_spread_share_out_easy_and_hard():
+    env, seen = AdaptVecEnv("AdaptNet/Humanoid-PushWalk-v0", num_envs=3, num_threads=1), []
+    ramp = AttributeRamp("push_scale", 0.4, 0.8, samples=48, spread=0.75)
+    look = Check(lambda _: seen.append(env.vector_env.unwrapped.push_scale.tolist()))
+    PPO("MlpPolicy", env, n_steps=8, batch_size=24, n_epochs=1, device="cpu").learn(72, callback=[ramp, look])
+    assert np.allclose(seen, [[0.4, 0.25, 0.1], [0.6, 0.375, 0.15], [0.8, 0.5, 0.2]])
+    with pytest.raises(ValueError, match=r"spread.*0 to 1.*1\.5"):
+        AttributeRamp("push_scale", 0.0, 1.0, samples=1, spread=1.5)
 
 
 def test_a_ramp_needs_something_to_move():

@@ -116,7 +116,8 @@ def test_pretrained_makes_what_ships_as_the_cards_say():
         assert 0 <= card["samples"] - settings.samples < 16 * 512
         assert of_card(entry.arguments) == card[settings.algo] and entry.n_envs == card["worlds"]
         used = {cls.__name__: of_card(values) for cls, values in entry.callbacks}
-        assert {**used, **{key: one[key] for one in card["callbacks"] for key in one}} == used, name
+        for key, said in (item for one in card["callbacks"] for item in one.items()):
+            assert {option: used[key][option] for option in said} == said, name  # newer options are off there
 
 
 def test_units_come_back_damaged_with_a_sentence(tmp_path):
