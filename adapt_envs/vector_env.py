@@ -51,6 +51,14 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
     return start
 
 
+def _for_each_world(name: str, values: ArrayLike, worlds: int) -> NDArray[np.float64]:
+    """One number for all worlds, or one for each, as an array (N,) of its own; ValueError for anything else."""
+    try:
+        return np.broadcast_to(np.asarray(values, np.float64), worlds).copy()
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} is {values!r}, expected a number, or {worlds} of them, one for each world") from error
+
+
 class Adjustable:
     """What may be set at any time, of one world as of many; `AttributeRamp` lets it grow in training.
 
@@ -75,7 +83,7 @@ class Adjustable:
     def push_scale(self, factors: ArrayLike) -> None:
         if self.worlds.pushes is None:
             raise ValueError("this environment has no pushes to scale; give it `push=PushSchedule(...)`")
-        scale = np.broadcast_to(np.asarray(factors, np.float64), self.worlds.pushes.scale.shape).copy()
+        scale = _for_each_world("push_scale", factors, len(self.worlds.pushes.scale))
         if not ((scale >= 0) & np.isfinite(scale)).all():
             raise ValueError(f"push_scale is {factors!r}, expected factors of at least 0")
         self.worlds.pushes.scale = scale
@@ -90,7 +98,7 @@ class Adjustable:
 
     @goal_spread.setter
     def goal_spread(self, shares: ArrayLike) -> None:
-        spread = np.broadcast_to(np.asarray(shares, np.float64), self.worlds.goals.spread.shape).copy()
+        spread = _for_each_world("goal_spread", shares, len(self.worlds.goals.spread))
         if not ((spread >= 0) & (spread <= 1)).all():
             words = "expected shares of the circle from 0 (ahead) to 1 (anywhere)"
             raise ValueError(f"goal_spread is {shares!r}, {words}")

@@ -12,7 +12,7 @@ class AttributeRamp(BaseCallback):
     """Moves an attribute of the environment linearly from `first` to `last` over a number of samples.
 
     The value depends on the model's samples alone, so a resumed run goes on where it was. With a `spread` the worlds
-    share out easy and hard, so that what was learned of the easy is not lost: no ramp then outruns what is learned.
+    share out easy and hard, so that the easy goes on being met while the hard grows.
     """
 
     def __init__(self, attribute: str, first: float, last: float, samples: int, spread: float = 0.0) -> None:

@@ -91,6 +91,11 @@ def test_the_scale_grows_the_force_and_a_reset_ends_a_push():
         env.push_scale = -1
     with pytest.raises(ValueError, match="inf"):
         env.push_scale = [0, 0, 0, np.inf]
+    for wrong in ([0.5, 0.5], "half"):
+        with pytest.raises(ValueError, match=r"push_scale is .*expected a number, or 4 of them, one for each world"):
+            env.push_scale = wrong
+    with pytest.raises(ValueError, match=r"goal_spread is \[1, 1\], expected a number, or 4 of them"):
+        env.goal_spread = [1, 1]
     plain = make_vector(env_id("Walk"), 1)
     assert plain.push_scale == 1
     with pytest.raises(ValueError, match="no pushes"):
