@@ -40,14 +40,19 @@ def test_a_world_ends_as_its_first_episode_does(policy, three):
             assert step >= ends[world].steps
 
 
+def alike(one, other):
+    """Whether under a thousandth of the pixels differ: a busy processor draws up to 100 of 1.25 million otherwise."""
+    return np.any(one != other, axis=-1).mean() < 0.001
+
+
 def test_the_world_is_the_one_that_is_named(policy, three):
     one, same, other = (before_after(policy, three, seed=5, world=world) for world in (1, 1, 2))
     assert one.shape == (2 * (HEIGHT + 32), COLUMNS * WIDTH, 3)
-    assert np.array_equal(one, same) and not np.array_equal(one, other)
+    assert alike(one, same) and not alike(one, other)
     assert policy.alpha == 1.0
     above, below = np.split(one, 2)
     # Both start from the same state, whatever becomes of them.
-    assert np.array_equal(tiles(above)[0], tiles(below)[0])
+    assert alike(tiles(above)[0], tiles(below)[0])
     for row, alpha in ((above, 0.0), (below, 1.0)):
         policy.alpha = alpha
         steps = first_end(policy, three, 5, 1).steps
