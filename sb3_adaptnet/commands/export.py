@@ -24,6 +24,7 @@ from sb3_adaptnet.runs.world_export import export_world, has_new_world
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.checkpoint import BASE, read_kind, save_adaptation, save_base
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
+from sb3_adaptnet.weights.storage import BITS
 from sb3_adaptnet.world_model.world_file import beside_base, has_world
 
 ONNX_SUFFIX = ".onnx"
@@ -42,37 +43,40 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("what", metavar="RUN|POLICY", nargs="+", help=words)
     words = "where to: mine.safetensors for a run, which gets a JSON card, too; mine.onnx for a base with adaptations"
     parser.add_argument("-o", "--output", metavar="FILE", required=True, help=words)
-    parser.add_argument("--half", action="store_true", help="store the weights in half precision, in half the room")
+    words = "what a weight is stored in: 32, 16, in half the room, or 8, in a quarter, but not for ONNX; by default 32"
+    parser.add_argument("--bits", type=int, choices=BITS, default=BITS[0], help=words)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Export and say where the file is."""
     if Path(options.output).suffix == ONNX_SUFFIX:
-        print(export_onnx(options.what, options.output, options.half))
+        print(export_onnx(options.what, options.output, options.bits))
         return 0
     if len(options.what) > 1:
         raise ValueError(f"only ONNX takes several policies; {options.output!r} does not end in .onnx")
-    file = export(options.what[0], options.output, options.half)
+    file = export(options.what[0], options.output, options.bits)
     print(file)
     if has_new_world(RunFolder.open(options.what[0])) and has_world(file):
         print(beside_base(file))
     return 0
 
 
-def export_onnx(policies: Sequence[str], output: str | Path, half: bool = False) -> Path:
+def export_onnx(policies: Sequence[str], output: str | Path, bits: int = 32) -> Path:
     """Write a base and its adaptations as one ONNX graph.
 
     Args:
         policies: the base, then its adaptations: NAME, or NAME=STRENGTH for another default strength than an equal
             share of what the others leave of 1.
         output: where to.
-        half: whether to store weights in half precision.
+        bits: what a weight is stored in, 32 or 16.
 
     Raises:
-        ValueError: if one cannot be read or does not fit, or the output's folder does not exist.
+        ValueError: if one cannot be read or does not fit, the output's folder does not exist, or for 8 bits.
     """
     check_output(output)
+    if bits not in (32, 16):
+        raise ValueError(f"an ONNX graph stores its weights in 32 or 16 bits, not in {bits}")
     if Path(policies[0]).is_dir():
         raise ValueError(f"{policies[0]!r} is a folder; export a run to mine.safetensors first, then that file to ONNX")
     base = policies[0]
@@ -84,16 +88,16 @@ def export_onnx(policies: Sequence[str], output: str | Path, half: bool = False)
         raise ValueError(str(error)) from None
     exported = Exported.read(base, list(styles))
     strengths = dict(zip(exported.adaptations, shared_out(styles).values(), strict=True))
-    return save_onnx(exported, output, strengths, half)
+    return save_onnx(exported, output, strengths, half=bits == 16)
 
 
-def export(run_dir: str | Path, output: str | Path, half: bool = False) -> Path:
+def export(run_dir: str | Path, output: str | Path, bits: int = 32) -> Path:
     """Write the policy of a run's checkpoint: a base if it was trained whole, else an adaptation.
 
     Args:
         run_dir: the run's folder.
         output: where to.
-        half: store the weights in half precision.
+        bits: what a weight is stored in, 32, 16 or 8.
 
     Returns:
         The file; its card lies beside it, a copy of the clip if that is none of those that ship, and the world model
@@ -116,7 +120,7 @@ def export(run_dir: str | Path, output: str | Path, half: bool = False) -> Path:
     card = card_of(folder, entry, int(state["samples"]), spec) | clip_of(motion, Path(output))
     worlds.close()
     is_base = policy.export()[0] == BASE
-    file = (save_base if is_base else save_adaptation)(policy, output, half, **card)
+    file = (save_base if is_base else save_adaptation)(policy, output, bits, **card)
     if is_base and has_new_world(folder):
         export_world(folder, state, file, ProgressBar("measuring the world model"))
     if motion is not None and not ships(motion):

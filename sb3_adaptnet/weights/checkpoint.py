@@ -77,34 +77,34 @@ def resolve(name_or_file: str | Path) -> Path:
         raise CheckpointError(f"{error}; nor is there such a file") from error
 
 
-def save_base(model_or_policy: Any, file: str | Path, half: bool = False, **about: Any) -> Path:
+def save_base(model_or_policy: Any, file: str | Path, bits: int = 32, **about: Any) -> Path:
     """Save the policy network of a pretrained or finetuned policy; the critic is not part of it.
 
     Args:
         model_or_policy: a PPO model, or its policy.
         file: where to; the suffix `.safetensors` is added if missing. A `.json` card appears beside it.
-        half: store the weights in half precision, in half the room.
+        bits: what a weight is stored in: 32, 16, in half the room, or 8, in a quarter.
         **about: further entries of the card as JSON values: environment, clip_hash, training, metrics, ...
 
     Returns:
         The file.
 
     Raises:
-        ValueError: for a policy that is an adaptation.
+        ValueError: for a policy that is an adaptation, and for other bits.
     """
-    return _save(model_or_policy, file, BASE, half, about)
+    return _save(model_or_policy, file, BASE, bits, about)
 
 
-def save_adaptation(model_or_policy: Any, file: str | Path, half: bool = False, **about: Any) -> Path:
+def save_adaptation(model_or_policy: Any, file: str | Path, bits: int = 32, **about: Any) -> Path:
     """Save what a policy adds to its base, and nothing of the base but its name and hash; otherwise as `save_base`.
 
     Raises:
         ValueError: for a policy that is not an adaptation, or whose adaptors were merged into the base.
     """
-    return _save(model_or_policy, file, ADAPTATION, half, about)
+    return _save(model_or_policy, file, ADAPTATION, bits, about)
 
 
-def _save(model_or_policy: Any, file: str | Path, kind: str, half: bool, about: Mapping[str, Any]) -> Path:
+def _save(model_or_policy: Any, file: str | Path, kind: str, bits: int, about: Mapping[str, Any]) -> Path:
     policy: Exportable = getattr(model_or_policy, "policy", model_or_policy)
     if not hasattr(policy, "export"):
         raise ValueError(f"only policies of this package can be saved, not {type(policy).__name__}")
@@ -117,7 +117,7 @@ def _save(model_or_policy: Any, file: str | Path, kind: str, half: bool, about: 
         raise ValueError(f"the card's entries {reserved} are taken; choose other names")
     path = Path(file) if str(file).endswith(WEIGHT_SUFFIX) else Path(f"{file}{WEIGHT_SUFFIX}")
     card = {"kind": kind, "observation_version": OBSERVATION_VERSION, **entries, **about}
-    write_weights(path, module.state_dict(), card, half)
+    write_weights(path, module.state_dict(), card, bits)
     return path
 
 

@@ -11,9 +11,12 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 
 from sb3_adaptnet.weights.atomic_file import write_atomically
+from sb3_adaptnet.weights.storage import restored, stored
 
 FORMAT = 1
-"""Version of the card's layout."""
+"""Version of the file's layout."""
+_BYTE_FORMAT = 2
+"""That of a file with 8 bits a number, which versions before 0.2.0 cannot read."""
 _METADATA_KEY = "adaptnet"
 """Entry of the safetensors metadata that holds the card."""
 
@@ -32,7 +35,7 @@ def weights_hash(tensors: Mapping[str, torch.Tensor], identity: Mapping[str, Any
     return digest.hexdigest()
 
 
-def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping[str, Any], half: bool = False) -> None:
+def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping[str, Any], bits: int = 32) -> None:
     """Write tensors and card to `file`, and the card once more, for people, to the `.json` beside it.
 
     Both appear whole or not at all. The card is completed by the format version and the hash of the weights.
@@ -41,15 +44,14 @@ def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping
         file: where to.
         tensors: by name.
         card: about them.
-        half: store single precision as half, in half the room. A network that is read from it computes in single
-            precision all the same.
+        bits: what a number of single precision is stored in: 32, 16 or 8. A network that is read from it computes in
+            single precision all the same.
 
     Raises:
-        ValueError: for a number beyond half precision's range.
+        ValueError: for other bits, and for a number beyond half precision's range.
     """
-    if half:
-        tensors = {name: _halved(name, tensor) for name, tensor in tensors.items()}
-    full = {"format": FORMAT, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
+    tensors = stored(tensors, bits)
+    full = {"format": _BYTE_FORMAT if bits == 8 else FORMAT, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
     plain = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in tensors.items()}
     file.parent.mkdir(parents=True, exist_ok=True)
     content = save(plain, metadata={_METADATA_KEY: json.dumps(full, sort_keys=True)})
@@ -58,20 +60,11 @@ def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping
     write_atomically(file.with_suffix(".json"), lambda stream: stream.write(for_people))
 
 
-def _halved(name: str, tensor: torch.Tensor) -> torch.Tensor:
-    if tensor.dtype != torch.float32:
-        return tensor
-    short = tensor.half()
-    if not torch.equal(short.isfinite(), tensor.isfinite()):
-        raise ValueError(f"{name} has numbers beyond half precision, as {float(tensor.abs().max()):g}")
-    return short
-
-
 def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
     """Read what `write_weights` wrote.
 
     Returns:
-        Tensors by name, and the card.
+        Tensors by name, those of 8 bits in single precision, and the card.
 
     Raises:
         CheckpointError: if the file is missing, cut, damaged or not one of ours.
@@ -87,7 +80,7 @@ def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[s
     card = _read_card(file, metadata)
     if card["hash"] != weights_hash(tensors, card.get("architecture", {})):
         raise CheckpointError(f"{str(file)!r} is damaged: its weights do not have the hash that its card states")
-    return tensors, card
+    return restored(tensors), card
 
 
 def _read_card(file: Path, metadata: Mapping[str, str]) -> dict[str, Any]:
@@ -97,7 +90,7 @@ def _read_card(file: Path, metadata: Mapping[str, str]) -> dict[str, Any]:
         card = json.loads(metadata[_METADATA_KEY])
     except json.JSONDecodeError as error:
         raise CheckpointError(f"the card of {str(file)!r} is not JSON ({error})") from error
-    if not isinstance(card, dict) or card.get("format") != FORMAT or "hash" not in card:
+    if not isinstance(card, dict) or card.get("format") not in (FORMAT, _BYTE_FORMAT) or "hash" not in card:
         found = card.get("format") if isinstance(card, dict) else None
-        raise CheckpointError(f"the card of {str(file)!r} has format {found!r}, but this version reads {FORMAT}")
+        raise CheckpointError(f"the card of {str(file)!r} has format {found!r}, but this version reads {FORMAT} and {_BYTE_FORMAT}")
     return card

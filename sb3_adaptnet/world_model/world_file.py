@@ -58,7 +58,7 @@ def save_world(model: WorldModel, file: str | Path, **about: Any) -> Path:
     """
     path = Path(file) if str(file).endswith(WORLD_SUFFIX) else Path(f"{file}{WORLD_SUFFIX}")
     architecture = {"character": model.character.to_dict(), "sizes": model.sizes._asdict()}
-    write_weights(path, model.state_dict(), {"kind": KIND, "architecture": architecture, **about}, half=True)
+    write_weights(path, model.state_dict(), {"kind": KIND, "architecture": architecture, **about}, bits=16)
     return path
 
 

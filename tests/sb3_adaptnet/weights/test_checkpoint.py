@@ -84,7 +84,7 @@ def test_progressive_column_round_trip(base_file, tmp_path):
 
 
 def test_half_precision_takes_half_the_room_and_computes_in_single(base_model, base_file, tmp_path):
-    half = save_base(base_model, tmp_path / "half", half=True)
+    half = save_base(base_model, tmp_path / "half", bits=16)
     assert half.stat().st_size < 0.65 * base_file.stat().st_size
     short, full = (read_base(file).backbone.state_dict() for file in (half, base_file))
     for name, weights in full.items():
@@ -94,7 +94,7 @@ def test_half_precision_takes_half_the_room_and_computes_in_single(base_model, b
     with torch.no_grad():
         policy.actor.mean.bias[0] = 1e6
     with pytest.raises(ValueError, match="mean.bias has numbers beyond half precision, as 1e\\+06"):
-        save_base(policy, tmp_path / "beyond", half=True)
+        save_base(policy, tmp_path / "beyond", bits=16)
     assert not list(tmp_path.glob("beyond*"))
 
 
