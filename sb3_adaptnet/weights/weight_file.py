@@ -51,7 +51,8 @@ def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping
         ValueError: for other bits, and for a number beyond half precision's range.
     """
     tensors = stored(tensors, bits)
-    full = {"format": _BYTE_FORMAT if bits == 8 else FORMAT, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
+    layout = _BYTE_FORMAT if bits == 8 else FORMAT
+    full = {"format": layout, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
     plain = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in tensors.items()}
     file.parent.mkdir(parents=True, exist_ok=True)
     content = save(plain, metadata={_METADATA_KEY: json.dumps(full, sort_keys=True)})
@@ -92,5 +93,6 @@ def _read_card(file: Path, metadata: Mapping[str, str]) -> dict[str, Any]:
         raise CheckpointError(f"the card of {str(file)!r} is not JSON ({error})") from error
     if not isinstance(card, dict) or card.get("format") not in (FORMAT, _BYTE_FORMAT) or "hash" not in card:
         found = card.get("format") if isinstance(card, dict) else None
-        raise CheckpointError(f"the card of {str(file)!r} has format {found!r}, but this version reads {FORMAT} and {_BYTE_FORMAT}")
+        known = f"{FORMAT} and {_BYTE_FORMAT}"
+        raise CheckpointError(f"the card of {str(file)!r} has format {found!r}, but this version reads {known}")
     return card
