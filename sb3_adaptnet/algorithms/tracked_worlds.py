@@ -70,7 +70,7 @@ class TrackedWorlds:
             rng: source of the numbers of steps.
         """
         self.env, self.rng = env, rng
-        self.guide = Guide(motion, env.num_envs, guiding.longest_lead)
+        self.guide = Guide(motion, env.num_envs, guiding)
         self.error_limit = self.loose_limit = np.inf
         self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []

@@ -36,6 +36,9 @@ class Guiding:
         turn_per_footstep: at most so far it turns per footstep [rad]: no style turns faster than it sets its feet.
         turn_acceleration: how fast the turn rate may change [rad/s^2].
         turn_gain: turn rate at most, per angle left to turn [1/s].
+        left_from_behind: a target within this angle [rad] of straight behind, on either side, is turned to by the left.
+            Who sways sees such a target now left, now right, and if half of the guides turn either way walks straight on
+            until it is lost.
         gaits: speeds [m/s] of the gait cycles that are cut out of a motion of minutes, one for each range of preferred
             speeds; without any the motion is followed from its first state to its last.
         longest_lead: how far [rad] it may be ahead of the character's own direction; then it waits. With 0.6 it cost
@@ -49,6 +52,7 @@ class Guiding:
     turn_acceleration: Schedule = 3.0
     turn_gain: Schedule = 2.0
     longest_lead: float = 1.5
+    left_from_behind: float = 0.0
     gaits: tuple[float, ...] = ()
     least_style: Schedule = 0.2
 
@@ -56,7 +60,8 @@ class Guiding:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative rate, acceleration, gain or worth, or a turn, lead or speed that is not positive.
+            ValueError: for a negative rate, acceleration, gain or worth, a turn, lead or speed that is not positive, or an angle
+                that is not within half a turn.
         """
         check_schedule("turn_rate", self.turn_rate)
         check_schedule("least_style", self.least_style)
@@ -64,6 +69,8 @@ class Guiding:
         check_schedule("turn_gain", self.turn_gain)
         if not (self.turn_per_footstep > 0 and self.longest_lead > 0):
             raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
+        if not 0 <= self.left_from_behind < np.pi:
+            raise ValueError(f"left_from_behind is an angle of 0 to pi, not {self.left_from_behind}")
         if not isinstance(self.gaits, (tuple, list)) or any(speed <= 0 for speed in self.gaits):
             raise ValueError(f"gaits is a list of speeds above 0 m/s, not {self.gaits}")
 
@@ -96,9 +103,10 @@ class Guide:
         turn_acceleration, turn_gain, least_style: as in `Guiding`, now.
     """
 
-    def __init__(self, motion: TrackedMotion, num_worlds: int, longest_lead: float = 1.5) -> None:
-        """Guides before the first `restart`; they stay at most `longest_lead` [rad] ahead."""
-        self.motion, self.longest_lead = motion, longest_lead
+    def __init__(self, motion: TrackedMotion, num_worlds: int, guiding: Guiding) -> None:
+        """Guides before the first `restart`; what changes while learning is set from outside."""
+        self.motion = motion
+        self.longest_lead, self._left_from_behind = guiding.longest_lead, guiding.left_from_behind
         self.phases: NDArray[np.integer] = np.zeros(num_worlds, np.int64)
         self.headings = np.zeros(num_worlds)
         self.turn_rates = np.zeros(num_worlds)
@@ -138,7 +146,8 @@ class Guide:
         self._advance_phases(speeds)
         travel, target = root_heading - self._facing[self.phases], np.arctan2(to_target[:, 1], to_target[:, 0])
         far = np.clip((np.hypot(*to_target.T) - NEAR) / (FAR - NEAR), 0, 1)
-        wanted = self._wanted_turn(_wrapped(target - self.headings)) * far
+        left = _wrapped(target - self.headings - self._left_from_behind) + self._left_from_behind
+        wanted = self._wanted_turn(left) * far
         most = self.turn_acceleration * CONTROL_DT
         self.turn_rates += np.clip(wanted - self.turn_rates, -most, most)
         self.headings += CONTROL_DT * self.turn_rates
