@@ -23,6 +23,7 @@ class Figures(StyleFigures):
     Attributes:
         goal_reward: mean goal reward of a step, in (0, 1]; random goals.
         falls_per_minute: episodes that ended by a fall, by getting lost or by diverging, per simulated minute.
+        lost_per_minute: those of them that got lost: 3 m farther from the target than when it was drawn.
         targets_reached: share of the targets that the root reached within 0.5 m before their timer or the episode
             ended; None if no target came to its end.
         imitation_error_m: mean distance to the reference [m], straight ahead (see `imitation_error`); None if no world
@@ -37,6 +38,7 @@ class Figures(StyleFigures):
 
     goal_reward: float
     falls_per_minute: float
+    lost_per_minute: float
     targets_reached: float | None
     imitation_error_m: float | None
     imitation_error_std_m: float | None
@@ -100,6 +102,7 @@ def figures_of(
         **vars(style_figures(env, straight, base_error)),
         goal_reward=rounded(free.rewards.mean()),
         falls_per_minute=rounded(60 * free.restarts.sum() / free.seconds),
+        lost_per_minute=rounded(60 * free.ends["lost"] / free.seconds),
         targets_reached=rounded(free.reached / free.targets) if free.targets else None,
         imitation_error_m=rounded(error.mean),
         imitation_error_std_m=rounded(error.std),

@@ -11,6 +11,7 @@ from sb3_adaptnet.evaluation.figures import Figures
 ROWS = (
     ("goal reward", "goal_reward", "{:.3f}"),
     ("falls per minute", "falls_per_minute", "{:.2f}"),
+    ("... of them lost targets", "lost_per_minute", "{:.2f}"),
     ("targets reached", "targets_reached", "{:.0%}"),
     ("imitation error [m]", "imitation_error_m", "{:.3f}"),
     ("... its standard deviation [m]", "imitation_error_std_m", "{:.3f}"),

@@ -36,9 +36,9 @@ class Guiding:
         turn_per_footstep: at most so far it turns per footstep [rad]: no style turns faster than it sets its feet.
         turn_acceleration: how fast the turn rate may change [rad/s^2].
         turn_gain: turn rate at most, per angle left to turn [1/s].
-        left_from_behind: a target within this angle [rad] of straight behind, on either side, is turned to by the left.
-            Who sways sees such a target now left, now right, and if half of the guides turn either way walks straight on
-            until it is lost.
+        left_from_behind: to a target within this angle [rad] of straight behind, on either side, it turns left. Who
+            sways sees such a target now left, now right; if guides turn either way, it walks straight on until it is
+            lost.
         gaits: speeds [m/s] of the gait cycles that are cut out of a motion of minutes, one for each range of preferred
             speeds; without any the motion is followed from its first state to its last.
         longest_lead: how far [rad] it may be ahead of the character's own direction; then it waits. With 0.6 it cost
@@ -60,8 +60,8 @@ class Guiding:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative rate, acceleration, gain or worth, a turn, lead or speed that is not positive, or an angle
-                that is not within half a turn.
+            ValueError: for a negative rate, acceleration, gain or worth, a turn, lead or speed that is not positive, or
+                an angle that is not within half a turn.
         """
         check_schedule("turn_rate", self.turn_rate)
         check_schedule("least_style", self.least_style)

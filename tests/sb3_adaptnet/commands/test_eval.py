@@ -20,7 +20,8 @@ from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import paragraph, table, text_table, write_page
 
 FIELDS = {
-    "goal_reward", "falls_per_minute", "targets_reached", "imitation_error_m", "imitation_error_std_m",
+    "goal_reward", "falls_per_minute", "lost_per_minute", "targets_reached", "imitation_error_m",
+    "imitation_error_std_m",
     "slip_median_cm_s", "slip_p90_cm_s", "jerk_ratio", "seconds", "seed",
     "visible", "failed_tests", "cadence_hz", "clip_cadence_hz", "foot_height_m", "clip_foot_height_m",
     "flight_share", "clip_flight_share", "tempo_error_m", "base_tempo_error_m", "world_error_m",
@@ -153,8 +154,8 @@ def test_tables_and_page(tmp_path):
     complaints = ("cadence none", "tempo error 0.1 m")
     figures = {"base <1>": figures_with(goal_reward=0.81234, visible=False, failed_tests=complaints)}
     text = text_table(figures)
-    assert "0.812" in text and text.splitlines()[3].split()[-1] == "-"
-    assert text.splitlines()[15].split() == ["style", "visible", "no"]
+    assert "0.812" in text and text.splitlines()[4].split()[-1] == "-"
+    assert text.splitlines()[16].split() == ["style", "visible", "no"]
     assert text.splitlines()[-2:] == [
         "base <1> is not visible: cadence none",
         "base <1> is not visible: tempo error 0.1 m",

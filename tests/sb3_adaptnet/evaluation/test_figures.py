@@ -1,5 +1,6 @@
 """The figures of motions whose figures are known."""
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from adapt_envs.motion.clip import FPS, MotionError, transformed
 from adapt_envs.motion.library import load_clip
 from adapt_envs.motion.quality import check
 from sb3_adaptnet import load_policy
-from sb3_adaptnet.evaluation.figures import evaluate, reference_speed
+from sb3_adaptnet.evaluation.figures import evaluate, figures_of, reference_speed
 from sb3_adaptnet.evaluation.imitation_error import (
     Reference,
     frame_errors,
@@ -199,6 +200,8 @@ def test_the_same_seed_gives_the_same_figures_and_another_does_not(four, tmp_pat
 def test_falls_per_minute_count_every_end(four):
     found = evaluate(Flail(), four, 20.0, 0)
     assert found.figures.falls_per_minute == pytest.approx(3 * found.free.restarts.sum(), abs=1e-3)
+    mixed = replace(found.free, ends=Counter(fall=4, lost=2))
+    assert figures_of(four, mixed, found.straight, None, 0).lost_per_minute == pytest.approx(6.0)
     assert found.figures.goal_reward == pytest.approx(found.free.rewards.mean(), abs=1e-4)
 
 
