@@ -70,7 +70,7 @@ class TrackedWorlds:
             rng: source of the numbers of steps.
         """
         self.env, self.rng = env, rng
-        self.guide = Guide(motion, env.num_envs, guiding)
+        self.guide = Guide(motion, env.num_envs, guiding.longest_lead)
         self.error_limit = self.loose_limit = np.inf
         self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []
@@ -86,6 +86,7 @@ class TrackedWorlds:
         guide.fastest_turn = np.minimum(value_at(guiding.turn_rate, samples), guiding.turn_per_footstep * footsteps)
         guide.turn_acceleration = value_at(guiding.turn_acceleration, samples)
         guide.turn_gain = value_at(guiding.turn_gain, samples)
+        guide.left_from_behind = value_at(guiding.left_from_behind, samples)
         guide.least_style = value_at(guiding.least_style, samples)
         self.error_limit = value_at(episodes.error_limit, samples)
         self.loose_limit = value_at(episodes.loose_limit, samples)

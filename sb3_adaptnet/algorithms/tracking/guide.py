@@ -52,7 +52,7 @@ class Guiding:
     turn_acceleration: Schedule = 3.0
     turn_gain: Schedule = 2.0
     longest_lead: float = 1.5
-    left_from_behind: float = 0.0
+    left_from_behind: Schedule = 0.0
     gaits: tuple[float, ...] = ()
     least_style: Schedule = 0.2
 
@@ -60,17 +60,16 @@ class Guiding:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative rate, acceleration, gain or worth, a turn, lead or speed that is not positive, or
-                an angle that is not within half a turn.
+            ValueError: for a negative rate, acceleration, gain, angle or worth, or a turn, lead or speed that is not
+                positive.
         """
         check_schedule("turn_rate", self.turn_rate)
         check_schedule("least_style", self.least_style)
         check_schedule("turn_acceleration", self.turn_acceleration)
         check_schedule("turn_gain", self.turn_gain)
+        check_schedule("left_from_behind", self.left_from_behind)
         if not (self.turn_per_footstep > 0 and self.longest_lead > 0):
             raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
-        if not 0 <= self.left_from_behind < np.pi:
-            raise ValueError(f"left_from_behind is an angle of 0 to pi, not {self.left_from_behind}")
         if not isinstance(self.gaits, (tuple, list)) or any(speed <= 0 for speed in self.gaits):
             raise ValueError(f"gaits is a list of speeds above 0 m/s, not {self.gaits}")
 
@@ -100,20 +99,19 @@ class Guide:
         phases, headings, turn_rates, style: as in `Guidance`.
         calm_steps: (N,) control steps since the character last turned.
         fastest_turn: largest turn rate [rad/s], for all or (N,).
-        turn_acceleration, turn_gain, least_style: as in `Guiding`, now.
+        turn_acceleration, turn_gain, left_from_behind, least_style: as in `Guiding`, now.
     """
 
-    def __init__(self, motion: TrackedMotion, num_worlds: int, guiding: Guiding) -> None:
-        """Guides before the first `restart`; what changes while learning is set from outside."""
-        self.motion = motion
-        self.longest_lead, self._left_from_behind = guiding.longest_lead, guiding.left_from_behind
+    def __init__(self, motion: TrackedMotion, num_worlds: int, longest_lead: float = 1.5) -> None:
+        """Guides before the first `restart`; they stay at most `longest_lead` [rad] ahead."""
+        self.motion, self.longest_lead = motion, longest_lead
         self.phases: NDArray[np.integer] = np.zeros(num_worlds, np.int64)
         self.headings = np.zeros(num_worlds)
         self.turn_rates = np.zeros(num_worlds)
         self.style = np.ones(num_worlds)
         self.calm_steps = np.full(num_worlds, _LONG_CALM)
         self.fastest_turn: float | NDArray[np.floating] = 0.0
-        self.turn_acceleration, self.turn_gain, self.least_style = 3.0, 2.0, 1.0
+        self.turn_acceleration, self.turn_gain, self.left_from_behind, self.least_style = 3.0, 2.0, 0.0, 1.0
         self._between = np.zeros(num_worlds)  # how far each guide is beyond its phase, -0.5 to 0.5
         self._facing = motion.facing.cpu().numpy()
 
@@ -146,7 +144,7 @@ class Guide:
         self._advance_phases(speeds)
         travel, target = root_heading - self._facing[self.phases], np.arctan2(to_target[:, 1], to_target[:, 0])
         far = np.clip((np.hypot(*to_target.T) - NEAR) / (FAR - NEAR), 0, 1)
-        left = _wrapped(target - self.headings - self._left_from_behind) + self._left_from_behind
+        left = _wrapped(target - self.headings - self.left_from_behind) + self.left_from_behind
         wanted = self._wanted_turn(left) * far
         most = self.turn_acceleration * CONTROL_DT
         self.turn_rates += np.clip(wanted - self.turn_rates, -most, most)
