@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from sb3_adaptnet.weights.checkpoint import resolve
-from sb3_adaptnet.weights.weight_file import read_weights, write_weights
+from sb3_adaptnet.weights.weight_file import read_weights, replace_card
 
 FIXED = ("format", "hash", "kind", "observation_version", "architecture", "base", "method", "shape")
 """Entries that say what the weights are: they belong to them."""
@@ -27,9 +27,9 @@ def amend_card(file: Path, **entries: Any) -> dict[str, Any]:
     fixed = [name for name in entries if name in FIXED]
     if fixed:
         raise ValueError(f"the card's entry {fixed[0]!r} belongs to the weights of {str(file)!r} and cannot change")
-    tensors, card = read_weights(file)
+    card = read_weights(file)[1]
     amended = {name: value for name, value in (card | entries).items() if value is not None or name not in entries}
-    write_weights(file, tensors, amended)
+    replace_card(file, amended)
     return amended
 
 

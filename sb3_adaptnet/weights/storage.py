@@ -50,6 +50,11 @@ def restored(tensors: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     return result
 
 
+def in_bytes(tensors: Mapping[str, torch.Tensor]) -> bool:
+    """Whether any of the tensors, as `stored` returns them, has 8 bits a number."""
+    return any(name.endswith(_SCALE) for name in tensors)
+
+
 def _bytes(name: str, tensor: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     if not tensor.isfinite().all():
         raise ValueError(f"{name} has numbers that are not finite, which 8 bits cannot hold")

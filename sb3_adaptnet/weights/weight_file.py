@@ -11,7 +11,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 
 from sb3_adaptnet.weights.atomic_file import write_atomically
-from sb3_adaptnet.weights.storage import restored, stored
+from sb3_adaptnet.weights.storage import in_bytes, restored, stored
 
 FORMAT = 1
 """Version of the file's layout."""
@@ -50,9 +50,21 @@ def write_weights(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping
     Raises:
         ValueError: for other bits, and for a number beyond half precision's range.
     """
-    tensors = stored(tensors, bits)
-    layout = _BYTE_FORMAT if bits == 8 else FORMAT
-    full = {"format": layout, **card, "hash": weights_hash(tensors, card.get("architecture", {}))}
+    _write(file, stored(tensors, bits), card)
+
+
+def replace_card(file: Path, card: Mapping[str, Any]) -> None:
+    """Write another card to a file of weights, which stay as they are stored; otherwise as `write_weights`.
+
+    Raises:
+        CheckpointError: if the file is missing, cut, damaged or not one of ours.
+    """
+    _write(file, _read(file, "cpu")[0], card)
+
+
+def _write(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping[str, Any]) -> None:
+    layout = _BYTE_FORMAT if in_bytes(tensors) else FORMAT
+    full = {**card, "format": layout, "hash": weights_hash(tensors, card.get("architecture", {}))}
     plain = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in tensors.items()}
     file.parent.mkdir(parents=True, exist_ok=True)
     content = save(plain, metadata={_METADATA_KEY: json.dumps(full, sort_keys=True)})
@@ -70,6 +82,12 @@ def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[s
     Raises:
         CheckpointError: if the file is missing, cut, damaged or not one of ours.
     """
+    tensors, card = _read(file, device)
+    return restored(tensors), card
+
+
+def _read(file: Path, device: str | torch.device) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
+    """Tensors as they are stored, and the card."""
     if not file.is_file():
         raise CheckpointError(f"there is no weights file {str(file)!r}")
     try:
@@ -81,7 +99,7 @@ def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[s
     card = _read_card(file, metadata)
     if card["hash"] != weights_hash(tensors, card.get("architecture", {})):
         raise CheckpointError(f"{str(file)!r} is damaged: its weights do not have the hash that its card states")
-    return restored(tensors), card
+    return tensors, card
 
 
 def _read_card(file: Path, metadata: Mapping[str, str]) -> dict[str, Any]:

@@ -3,8 +3,10 @@
 import pytest
 import torch
 
+from sb3_adaptnet.weights.card import amend_card
 from sb3_adaptnet.weights.checkpoint import read_base, save_base
 from sb3_adaptnet.weights.storage import restored, stored
+from sb3_adaptnet.weights.weight_file import read_weights
 
 
 @pytest.fixture
@@ -47,6 +49,16 @@ def test_what_cannot_be_stored_is_refused(tensors):
         stored(tensors, 4)
     with pytest.raises(ValueError, match="w has numbers that are not finite, which 8 bits cannot hold"):
         stored({"w": torch.tensor([[1.0, torch.inf]])}, 8)
+
+
+def test_another_card_leaves_the_bytes_as_they_are(base_model, tmp_path):
+    file = save_base(base_model, tmp_path / "byte", bits=8)
+    before, size = read_weights(file), file.stat().st_size
+    amend_card(file, evaluation={"seed": 3})
+    after = read_weights(file)
+    assert file.stat().st_size < size + 100
+    assert after[1] == before[1] | {"evaluation": {"seed": 3}}
+    assert all(torch.equal(tensor, after[0][name]) for name, tensor in before[0].items())
 
 
 def test_eight_bits_take_less_room_and_act_nearly_the_same(base_model, base_file, tmp_path):
