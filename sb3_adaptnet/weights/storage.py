@@ -59,7 +59,8 @@ def _bytes(name: str, tensor: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]
     if not tensor.isfinite().all():
         raise ValueError(f"{name} has numbers that are not finite, which 8 bits cannot hold")
     largest = _blocks(tensor).abs().amax(1)
-    scale = torch.where(largest > 0.0, largest / _LARGEST, 1.0)
+    scale = largest / _LARGEST
+    scale = torch.where(scale > 0.0, scale, 1.0)
     whole = (_blocks(tensor) / scale[:, None]).round()
     return whole.to(torch.int8).flatten()[: tensor.numel()].view(tensor.shape), scale
 

@@ -1,5 +1,6 @@
 """Which phase and direction of the reference motion each world follows: an ideal walker that turns towards the goal."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,14 +61,17 @@ class Guiding:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative rate, acceleration, gain, angle or worth, or a turn, lead or speed that is not
-                positive.
+            ValueError: for a negative rate, acceleration, gain, angle or worth, an angle of half a turn or more, or a
+                turn, lead or speed that is not positive.
         """
         check_schedule("turn_rate", self.turn_rate)
         check_schedule("least_style", self.least_style)
         check_schedule("turn_acceleration", self.turn_acceleration)
         check_schedule("turn_gain", self.turn_gain)
         check_schedule("left_from_behind", self.left_from_behind)
+        behind = self.left_from_behind
+        if max(behind.values() if isinstance(behind, Mapping) else [behind]) >= np.pi:
+            raise ValueError(f"left_from_behind is an angle below pi, not {behind!r}")
         if not (self.turn_per_footstep > 0 and self.longest_lead > 0):
             raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
         if not isinstance(self.gaits, (tuple, list)) or any(speed <= 0 for speed in self.gaits):

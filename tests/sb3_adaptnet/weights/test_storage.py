@@ -40,6 +40,7 @@ def test_a_byte_is_off_by_little_of_the_largest_of_its_32(tensors):
 
 def test_zeros_stay_zero_and_tiny_numbers_do_not_vanish():
     assert torch.equal(restored(stored({"w": torch.zeros(3, 4)}, 8))["w"], torch.zeros(3, 4))
+    assert restored(stored({"w": torch.full((2, 2), 1e-44)}, 8))["w"].abs().max() < 1e-40
     small = torch.full((5, 7), 1e-30)
     torch.testing.assert_close(restored(stored({"w": small}, 8))["w"], small, rtol=0.01, atol=0.0)
 

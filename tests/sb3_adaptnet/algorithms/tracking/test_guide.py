@@ -118,6 +118,8 @@ def test_what_no_guide_can_do_is_refused():
         Guiding(turn_rate={0: -1.0})
     with pytest.raises(ValueError, match="left_from_behind"):
         Guiding(left_from_behind=-0.1)
+    with pytest.raises(ValueError, match="left_from_behind is an angle below pi, not {0: 0.0, 9: 40.0}"):
+        Guiding(left_from_behind={0: 0.0, 9: 40.0})
     with pytest.raises(ValueError, match="must be positive"):
         Guiding(longest_lead=0.0)
     for gaits in (0.9, [0.9, 0.0], "fast"):
