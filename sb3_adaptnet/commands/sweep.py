@@ -139,7 +139,7 @@ def train(place: UnitFolder, unit: Unit) -> int:
 def finish(place: UnitFolder, unit: Unit) -> None:
     """Export the weights of a trained run, measure them where that is asked for, and write down that it is done."""
     settings = unit.settings
-    file = export(place.path, place.path / f"{unit.task}.safetensors")
+    file = export(place.path, place.path / f"{unit.task}.safetensors", unit.bits)
     found = []
     if unit.measurement is not None:
         torch.set_num_threads(settings.threads or torch.get_num_threads())

@@ -103,6 +103,7 @@ def _units(sweep: Sweep, task: Task, override: str, changes: Mapping[str, Any], 
             entry=entry,
             measurement=sweep.measurement,
             minutes=sweep.minutes,
+            bits=task.bits,
         )
         for seed in task.seeds
     ]

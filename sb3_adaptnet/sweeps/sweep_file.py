@@ -9,12 +9,13 @@ from typing import Any
 import yaml
 
 from sb3_adaptnet.runs.experiment import LOADER
-from sb3_adaptnet.sweeps.yaml_values import label, mapping, number, seeds, whole
+from sb3_adaptnet.sweeps.yaml_values import label, mapping, number, one_of, seeds, whole
 from sb3_adaptnet.weights.shipped import sweep_path
+from sb3_adaptnet.weights.storage import BITS
 
-KEYS = ("tasks", "seeds", "overrides", "evaluate", "resources", "minutes", "retries")
+KEYS = ("tasks", "seeds", "bits", "overrides", "evaluate", "resources", "minutes", "retries")
 """Keys of a sweep's file; keys that begin with a dot hold building blocks, as in the zoo."""
-TASK_KEYS = ("id", "name", "seeds")
+TASK_KEYS = ("id", "name", "seeds", "bits")
 """Keys of a task that are no changes."""
 
 
@@ -26,12 +27,14 @@ class Task:
         name: of its weight files and, with override and seed, of its run folders.
         env_id: the environment.
         seeds: of its runs.
+        bits: what a weight is stored in; see `weights.storage`.
         changes: settings of the run and keys of the zoo's entry that are not as usual.
     """
 
     name: str
     env_id: str
     seeds: tuple[int, ...]
+    bits: int = BITS[0]
     changes: dict[str, Any] = field(default_factory=dict)
 
 
@@ -103,10 +106,10 @@ def read_sweep(file_or_name: str | Path) -> Sweep:
     tasks = entries.get("tasks")
     if not isinstance(tasks, list) or not tasks:
         raise ValueError(f"{where}: tasks is {tasks!r}, expected a list of environment ids")
-    usual = seeds(f"{where}: seeds", entries.get("seeds", [0]))
+    usual = seeds(f"{where}: seeds", entries.get("seeds", [0])), entries.get("bits", BITS[0])
     return Sweep(
         name=label(f"{where}: its name", file.stem),
-        tasks=tuple(_task(where, task, usual) for task in tasks),
+        tasks=tuple(_task(where, task, *usual) for task in tasks),
         overrides=_overrides(where, entries.get("overrides")),
         measurement=_measurement(f"{where}: evaluate", entries.get("evaluate")),
         resources=_resources(f"{where}: resources", entries.get("resources") or {}),
@@ -121,7 +124,7 @@ def short_name(env_id: str) -> str:
     return re.sub(r"-v\d+$", "", name)
 
 
-def _task(where: str, given: Any, usual: tuple[int, ...]) -> Task:
+def _task(where: str, given: Any, usual_seeds: tuple[int, ...], usual_bits: Any) -> Task:
     values = {"id": given} if isinstance(given, str) else mapping(f"{where}: a task", given)
     if not isinstance(values.get("id"), str):
         raise ValueError(f"{where}: the task {given!r} names no environment; write id: AdaptNet/Humanoid-Stoop-v0")
@@ -129,7 +132,8 @@ def _task(where: str, given: Any, usual: tuple[int, ...]) -> Task:
     return Task(
         name=label(f"{where}: the name of {env_id}", values.get("name", short_name(env_id))),
         env_id=env_id,
-        seeds=seeds(f"{where}: seeds of {env_id}", values["seeds"]) if "seeds" in values else usual,
+        seeds=seeds(f"{where}: seeds of {env_id}", values["seeds"]) if "seeds" in values else usual_seeds,
+        bits=one_of(f"{where}: bits of {env_id}", values.get("bits", usual_bits), BITS),
         changes={key: value for key, value in values.items() if key not in TASK_KEYS},
     )
 

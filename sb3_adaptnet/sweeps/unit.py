@@ -12,6 +12,7 @@ from sb3_adaptnet.runs.experiment import LOADER
 from sb3_adaptnet.runs.run_folder import RunSettings
 from sb3_adaptnet.sweeps.sweep_file import Measurement
 from sb3_adaptnet.weights.atomic_file import write_atomically
+from sb3_adaptnet.weights.storage import BITS
 
 WAITING, RUNNING, STOPPED, FAILED, DONE = "waiting", "running", "stopped", "failed", "done"
 """States of a run: not begun; a process is at it; begun and left; left by an error; trained, exported and measured."""
@@ -33,6 +34,7 @@ class Unit:
         entry: the zoo's entry with all changes.
         measurement: how the result is measured; None for not at all.
         minutes: between checkpoints.
+        bits: what a weight of the result is stored in.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Unit:
     entry: dict[str, Any]
     measurement: Measurement | None = None
     minutes: float = 3.0
+    bits: int = BITS[0]
 
     def fixed(self) -> dict[str, Any]:
         """What may not change once the run has begun, by names for people."""
@@ -94,7 +97,7 @@ class UnitFolder:
         self.path.mkdir(parents=True, exist_ok=True)
         measured = unit.measurement and {"seconds": unit.measurement.seconds, "seeds": list(unit.measurement.seeds)}
         values = {"task": unit.task, "override": unit.override, "settings": asdict(unit.settings),
-                  "entry": unit.entry, "measurement": measured, "minutes": unit.minutes}  # fmt: skip
+                  "entry": unit.entry, "measurement": measured, "minutes": unit.minutes, "bits": unit.bits}  # fmt: skip
         text = yaml.safe_dump(values, sort_keys=False)
         write_atomically(self.unit_file, lambda stream: stream.write(text.encode()))
 
@@ -107,7 +110,8 @@ class UnitFolder:
     def write_result(self, unit: Unit, samples: int, weights: Path, figures: list[dict[str, Any]]) -> None:
         """Say that the run is done, with how many samples and which figures, one for each seed of the measurement."""
         measured = None if unit.measurement is None else asdict(unit.measurement)
-        result = {"samples": samples, "weights": weights.name, "measurement": measured, "figures": figures}
+        result = {"samples": samples, "weights": weights.name, "bits": unit.bits, "measurement": measured,
+                  "figures": figures}  # fmt: skip
         text = json.dumps(result, indent=2) + "\n"
         write_atomically(self.result, lambda stream: stream.write(text.encode()))
 
@@ -119,7 +123,7 @@ class UnitFolder:
         """Whether everything that is asked for is there."""
         unit, result = self.read(), self.read_result()
         measured = None if unit.measurement is None else json.loads(json.dumps(asdict(unit.measurement)))
-        enough = result.get("samples", -1) >= unit.settings.samples
+        enough = result.get("samples", -1) >= unit.settings.samples and result.get("bits", BITS[0]) == unit.bits
         return enough and (measured is None or result["measurement"] == measured)
 
     def state(self) -> str:

@@ -47,6 +47,18 @@ def whole(where: str, value: Any, least: int = 0) -> int:
     return int(found)
 
 
+def one_of(where: str, value: Any, valid: Sequence[int]) -> int:
+    """A whole number that is among the `valid` ones.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    found = whole(where, value)
+    if found not in valid:
+        raise ValueError(f"{where} is {value!r}, expected one of {', '.join(map(str, valid))}")
+    return found
+
+
 def seeds(where: str, value: Any) -> tuple[int, ...]:
     """A list of different whole numbers.
 

@@ -41,12 +41,19 @@ def stored(tensors: Mapping[str, torch.Tensor], bits: int) -> dict[str, torch.Te
 
 
 def restored(tensors: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """What `stored` was given, to within its precision: bytes become single precision, halves stay halves."""
+    """What `stored` was given, to within its precision: bytes become single precision, halves stay halves.
+
+    Raises:
+        ValueError: for factors without their bytes, or of another number of them.
+    """
     result = {name: tensor for name, tensor in tensors.items() if not name.endswith(_SCALE)}
     for name, scale in tensors.items():
         if name.endswith(_SCALE):
             name = name.removesuffix(_SCALE)
-            result[name] = _single(tensors[name], scale)
+            whole = tensors.get(name)
+            if whole is None or scale.shape != (-(-whole.numel() // _BLOCK),):
+                raise ValueError(f"the factors of {name} are not those of its bytes")
+            result[name] = _single(whole, scale)
     return result
 
 

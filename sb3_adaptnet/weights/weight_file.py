@@ -83,7 +83,10 @@ def read_weights(file: Path, device: str | torch.device = "cpu") -> tuple[dict[s
         CheckpointError: if the file is missing, cut, damaged or not one of ours.
     """
     tensors, card = _read(file, device)
-    return restored(tensors), card
+    try:
+        return restored(tensors), card
+    except ValueError as error:
+        raise CheckpointError(f"{str(file)!r} cannot be read: {error}") from error
 
 
 def _read(file: Path, device: str | torch.device) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:

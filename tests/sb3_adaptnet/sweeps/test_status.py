@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import pytest
 from evaluation_cases import figures_with
@@ -11,7 +12,7 @@ from sb3_adaptnet.runs.history import write_rows
 from sb3_adaptnet.sweeps import prepare, read_status, read_sweep, units_of
 from sb3_adaptnet.sweeps.status import csv_table, markdown_table, mean, text_table
 from sb3_adaptnet.sweeps.sweep_file import Measurement
-from sb3_adaptnet.sweeps.unit import Unit, lock_of
+from sb3_adaptnet.sweeps.unit import Unit, UnitFolder, lock_of
 
 
 @pytest.fixture
@@ -47,6 +48,13 @@ def test_a_run_that_a_process_holds_is_running(runs):
 def test_other_measures_leave_it_undone(runs):
     (done, *_) = prepare(units_of(read_sweep(sweep_file(runs.parent, 704)), 1), runs)
     assert not done.is_done()
+
+
+def test_other_bits_leave_it_undone(runs):
+    place = UnitFolder(runs / "Toy-seed0")
+    assert place.is_done()
+    place.write(replace(place.read(), bits=8))
+    assert place.read().bits == 8 and not place.is_done()
 
 
 def test_the_tables_hold_the_same_runs(runs):

@@ -10,8 +10,9 @@ FULL = f"""
 .quick: &quick {{samples: 2.0e+6}}
 tasks:
   - {STOOP}
-  - {{id: AdaptNet/Humanoid-Limp-v0, name: limp, seeds: [5], <<: *quick}}
+  - {{id: AdaptNet/Humanoid-Limp-v0, name: limp, seeds: [5], bits: 8, <<: *quick}}
 seeds: [0, 1]
+bits: 16
 overrides:
   usual:
   bold: {{learning_rate: 1.0e-3}}
@@ -31,8 +32,8 @@ def write(folder, text, name="mine.yml"):
 def test_a_file_says_tasks_seeds_overrides_and_resources(tmp_path):
     sweep = read_sweep(write(tmp_path, FULL))
     stoop, limp = sweep.tasks
-    assert (stoop.name, stoop.seeds, stoop.changes) == ("Stoop", (0, 1), {})
-    assert (limp.name, limp.seeds, limp.changes) == ("limp", (5,), {"samples": 2.0e6})
+    assert (stoop.name, stoop.seeds, stoop.bits, stoop.changes) == ("Stoop", (0, 1), 16, {})
+    assert (limp.name, limp.seeds, limp.bits, limp.changes) == ("limp", (5,), 8, {"samples": 2.0e6})
     assert sweep.overrides == {"usual": {}, "bold": {"learning_rate": 1.0e-3}}
     assert sweep.measurement == Measurement(60, (7, 8)) and sweep.resources == Resources(2, 0.5, 3)
     assert (sweep.name, sweep.minutes, sweep.retries) == ("mine", 1, 0)
@@ -40,7 +41,7 @@ def test_a_file_says_tasks_seeds_overrides_and_resources(tmp_path):
 
 def test_little_is_enough(tmp_path):
     sweep = read_sweep(write(tmp_path, f"tasks: [{STOOP}]"))
-    assert sweep.tasks[0].seeds == (0,) and sweep.overrides == {"": {}}
+    assert sweep.tasks[0].seeds == (0,) and sweep.tasks[0].bits == 32 and sweep.overrides == {"": {}}
     assert sweep.measurement is None and sweep.resources == Resources()
 
 
@@ -56,7 +57,7 @@ def test_short_names():
         ("tasks: [", "not a YAML file"),
         ("seeds: [1]", "tasks is None, expected a list of environment ids"),
         ("tasks: []", "tasks is .., expected a list"),
-        (f"tasks: [{STOOP}]\nseed: 3", "unknown key 'seed'; valid are: tasks, seeds, overrides"),
+        (f"tasks: [{STOOP}]\nseed: 3", "unknown key 'seed'; valid are: tasks, seeds, bits"),
         ("tasks: [{name: a}]", "the task {'name': 'a'} names no environment"),
         (f"tasks: [{STOOP}]\nseeds: 3", "seeds is 3, expected a list of whole numbers"),
         (f"tasks: [{STOOP}]\nseeds: [a]", "a seed in .* is 'a', expected a number"),
@@ -71,6 +72,7 @@ def test_short_names():
         (f"tasks: [{STOOP}]\nevaluate: {{}}", "seconds is None, expected a number of at least 1"),
         (f"tasks: [{STOOP}]\nresources: {{cpu: 1}}", "unknown key 'cpu'; valid are: cpus, gpus, threads"),
         (f"tasks: [{STOOP}]\nresources: {{threads: 0}}", "threads is 0, expected a number of at least 1"),
+        (f"tasks: [{STOOP}]\nbits: 4", "bits of AdaptNet/Humanoid-Stoop-v0 is 4, expected one of 32, 16, 8"),
         (f"tasks: [{STOOP}]\nretries: many", "retries is 'many', expected a number"),
     ],
 )

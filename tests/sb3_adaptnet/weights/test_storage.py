@@ -6,7 +6,7 @@ import torch
 from sb3_adaptnet.weights.card import amend_card
 from sb3_adaptnet.weights.checkpoint import read_base, save_base
 from sb3_adaptnet.weights.storage import restored, stored
-from sb3_adaptnet.weights.weight_file import read_weights
+from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights, write_weights
 
 
 @pytest.fixture
@@ -69,3 +69,10 @@ def test_eight_bits_take_less_room_and_act_nearly_the_same(base_model, base_file
     for name, weights in whole.items():
         assert found[name].dtype == weights.dtype
         torch.testing.assert_close(found[name], weights, rtol=0, atol=float(weights.abs().max()) / 250 + 1e-7)
+
+
+@pytest.mark.parametrize("factors", [{"w:scale": torch.ones(2)}, {"w": torch.ones(3, 3), "w:scale": torch.ones(2)}])
+def test_factors_that_do_not_fit_are_refused(tmp_path, factors):
+    write_weights(tmp_path / "odd.safetensors", factors, {})
+    with pytest.raises(CheckpointError, match="odd.*the factors of w are not those of its bytes"):
+        read_weights(tmp_path / "odd.safetensors")
