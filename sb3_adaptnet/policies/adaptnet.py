@@ -15,7 +15,14 @@ from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.layers.precision import autocast
 from sb3_adaptnet.modules.observation import Observation
 from sb3_adaptnet.policies.from_base import PolicyFromBase
-from sb3_adaptnet.weights.checkpoint import ADAPTATION, build_checked, check_base, load_checked, read_adaptation
+from sb3_adaptnet.weights.checkpoint import (
+    ADAPTATION,
+    build_checked,
+    check_base,
+    load_checked,
+    read_adaptation,
+    resolve,
+)
 
 TRAINED = "main"
 """Name of the adaptation that a policy trains."""
@@ -41,9 +48,10 @@ class AdaptNetPolicy(PolicyFromBase):
         beta: float = 0.01,
         kappa: float = 0.01,
         alpha: float = 1.0,
+        start: str | Path | None = None,
         **settings: Any,
     ) -> None:
-        """Read the base and add an adaptation that does nothing yet.
+        """Read the base and add an adaptation that does nothing yet, or does what another one does.
 
         Args:
             *args: spaces and PPO's learning rate; see `PolicyFromBase`.
@@ -55,12 +63,15 @@ class AdaptNetPolicy(PolicyFromBase):
             beta: coefficient of the injection's norm (eq. 12).
             kappa: coefficient of the adaptors' norm (eq. 12).
             alpha: scale of the adaptation.
+            start: adaptation of the same base to go on from, a shipped one's name or a file; the choices above, up to
+                `injector`, are then the file's.
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of
                 `ObjectivePolicy`.
 
         Raises:
             ValueError: for an unknown choice, or if there would be nothing to train.
-            CheckpointError: if the base cannot be read.
+            CheckpointError: if the base or the start cannot be read, or the start adapts another base. A file that is
+                missing only fails when the policy first acts, as in `PolicyFromBase`.
         """
         if not injector and adaptors is None:
             raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
@@ -69,6 +80,8 @@ class AdaptNetPolicy(PolicyFromBase):
         self.merged = False
         super().__init__(*args, **settings)
         self.alpha = alpha
+        if start is not None:
+            self._go_on_from(start)
 
     def adapt(self, base: Backbone) -> AdaptedActor:
         """The base with an adaptation that does nothing yet."""
@@ -76,6 +89,12 @@ class AdaptNetPolicy(PolicyFromBase):
         adaptation = Adaptation(base.architecture, shape)
         adaptation.start_from(base)
         return AdaptedActor(base, {TRAINED: adaptation}, self._penalties)
+
+    def _go_on_from(self, start: str | Path) -> None:
+        if resolve(start).is_file():
+            self.load_adaptation(start)
+        else:  # `PPO.load` builds the policy before it restores it
+            self.miss(f"there is no file {str(start)!r} of an adaptation to start from")
 
     def _with_base_code(self, observation: Observation) -> Observation:
         with autocast(self.device, self.precision):

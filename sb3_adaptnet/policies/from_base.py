@@ -60,15 +60,19 @@ class PolicyFromBase(ObjectivePolicy):
         file = resolve(self.base_argument)
         if file.is_file():
             return read_base(file)
-        self._missing = CheckpointError(f"there is no base file {str(file)!r}")
-        warnings.warn(f"{self._missing}; the policy cannot act unless a saved state is loaded into it", stacklevel=4)
+        self.miss(f"there is no base file {str(file)!r}")
         return Base(Backbone(Architecture(self.joints)), file.stem, "", {})
 
+    def miss(self, sentence: str) -> None:
+        """Refuse to act, for the reason that the sentence says, until a saved state is loaded."""
+        self._missing = CheckpointError(sentence)
+        warnings.warn(f"{sentence}; the policy cannot act unless a saved state is loaded into it", stacklevel=5)
+
     def check_base_found(self) -> None:
-        """Refuse to begin without a base.
+        """Refuse to begin without the files that it starts from.
 
         Raises:
-            CheckpointError: if the base's file was missing and nothing was loaded since.
+            CheckpointError: if one was missing and nothing was loaded since.
         """
         if self._missing is not None:
             raise self._missing

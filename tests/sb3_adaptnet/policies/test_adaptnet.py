@@ -85,3 +85,38 @@ def test_code_of_the_frozen_base_may_be_handed_back(heightmap, tiny_base):
             assert torch.equal(again, values)
         _, other, _ = policy.evaluate_actions(obs | {"base_code": policy.base_code + 1}, actions)
     assert not torch.allclose(other, old)
+
+
+def test_starts_from_another_adaptation_and_goes_on_learning_it(two_styles, tiny_base):
+    alone = act(load_policy(two_styles[0], ToyEnv(), base=tiny_base))
+    model = adapt(AdaptNetPolicy, ToyEnv(), tiny_base, start=two_styles[0])
+    assert np.array_equal(act(model.policy), alone)
+    model.learn(64)
+    assert not np.array_equal(act(model.policy), alone)
+    assert np.array_equal(act(load_policy(two_styles[0], ToyEnv(), base=tiny_base)), alone)
+
+
+def test_a_start_that_is_no_adaptation_of_the_base_is_refused(two_styles, tiny_base, tmp_path):
+    with pytest.raises(CheckpointError, match="moonwalk"):
+        adapt(AdaptNetPolicy, ToyEnv(), tiny_base, start="moonwalk")
+    with pytest.raises(CheckpointError, match="holds 'base', not 'adaptation'"):
+        adapt(AdaptNetPolicy, ToyEnv(), tiny_base, start=tiny_base)
+    other = save_base(PPO(PretrainPolicy, ToyEnv(), policy_kwargs=SIZES, **PPO_ARGUMENTS), tmp_path / "other")
+    with pytest.raises(CheckpointError, match="not 'other'"):
+        adapt(AdaptNetPolicy, ToyEnv(), other, start=two_styles[0])
+
+
+def test_a_start_that_is_gone_is_missed_by_a_policy_that_would_act_but_not_by_one_that_is_loaded(
+    two_styles, tiny_base, tmp_path
+):
+    start = tmp_path / "start.safetensors"
+    start.write_bytes(two_styles[0].read_bytes())
+    model = adapt(AdaptNetPolicy, ToyEnv(), tiny_base, start=start)
+    model.learn(64)
+    model.save(tmp_path / "model")
+    start.unlink()
+    with pytest.warns(UserWarning, match=r"no file .*start\.safetensors.* of an adaptation to start from"):
+        loaded = PPO.load(tmp_path / "model")
+    assert np.array_equal(act(loaded.policy), act(model.policy))
+    with pytest.warns(UserWarning, match="cannot act"), pytest.raises(CheckpointError, match=r"start\.safetensors"):
+        adapt(AdaptNetPolicy, ToyEnv(), tiny_base, start=start).learn(64)
