@@ -146,8 +146,9 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec |
     """Entries of the card: where the weights come from and what training reported at its end."""
     settings = folder.settings
     policy_kwargs = dict(entry.arguments["policy_kwargs"])
-    if policy_kwargs.get("base") is not None:  # its name: where the file lay means nothing elsewhere
-        policy_kwargs["base"] = Path(policy_kwargs["base"]).name.removesuffix(WEIGHT_SUFFIX)
+    for key in ("base", "start"):
+        if policy_kwargs.get(key) is not None:  # its name: where the file lay means nothing elsewhere
+            policy_kwargs[key] = Path(policy_kwargs[key]).name.removesuffix(WEIGHT_SUFFIX)
     training = {
         "samples": samples,
         "seed": settings.seed,

@@ -18,7 +18,7 @@ from sb3_adaptnet.runs.run_folder import RUNS, RunFolder
 from sb3_adaptnet.runs.training import resume, start
 from sb3_adaptnet.sweeps.attendant import ATTENDED, end_with_attendant
 from sb3_adaptnet.sweeps.dispatch import check_room, has_ray, ray_libraries, run_by_ray, run_in_order
-from sb3_adaptnet.sweeps.plan import prepare, units_of
+from sb3_adaptnet.sweeps.plan import prepare, units_of, waves
 from sb3_adaptnet.sweeps.status import csv_table, markdown_table, read_status, summary, text_table
 from sb3_adaptnet.sweeps.sweep_file import Sweep, read_sweep
 from sb3_adaptnet.sweeps.unit import DONE, LOCK_SECONDS, Unit, UnitFolder, lock_of
@@ -80,10 +80,12 @@ def run_all(sweep: Sweep, options: argparse.Namespace) -> int:
             places = prepare(units, folder)
             waiting = [place.path for place in places if not place.is_done()]
             print(f"{len(places)} runs in {folder}, {len(places) - len(waiting)} of them done", flush=True)
-            if waiting and by_ray:
-                run_by_ray(waiting, sweep.retries, cpus, gpus, cores, options.address)
-            elif waiting:
-                run_in_order(waiting, sweep.retries)
+            for wave in waves(units):
+                now = [path for path in waiting if path.name in wave]
+                if now and by_ray:
+                    run_by_ray(now, sweep.retries, cpus, gpus, cores, options.address)
+                elif now:
+                    run_in_order(now, sweep.retries)
     except Timeout:
         raise ValueError(f"another sweep is at work in {folder}; look at it with: adaptnet sweep status") from None
     except KeyboardInterrupt:

@@ -13,7 +13,7 @@ INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
 DEFAULT = "ppo"
 """The algorithm of a training for which none is named, as the paper's."""
-FROM_SCRATCH_ONLY = ("seed", "algo", "conf_file", "base", "world_model", "motion", "n_envs", "run_dir")
+FROM_SCRATCH_ONLY = ("seed", "algo", "conf_file", "base", "start", "world_model", "motion", "n_envs", "run_dir")
 """Options that a resumed run cannot change."""
 
 
@@ -34,6 +34,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
     parser.add_argument("--device", help="cpu (default) or cuda")
     parser.add_argument("--base", metavar="NAME_OR_FILE", help="base to adapt; default: the entry's")
+    words = "adaptation of that base to go on from, with this run's settings and learner"
+    parser.add_argument("--start", metavar="NAME_OR_FILE", help=words)
     parser.add_argument("--motion", metavar="FILE", help="clip for environments that take motion=")
     parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
@@ -71,7 +73,7 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
     if options.env_id is None:
         raise ValueError("name an environment, as in AdaptNet/Humanoid-Stoop-v0, or a run with --resume")
     algo = algorithm_of(options, DEFAULT)
-    entry = experiment(options.env_id, options.base, options.conf_file, algo)
+    entry = experiment(options.env_id, options.base, options.conf_file, algo, options.start)
     return RunSettings(
         env_id=options.env_id,
         samples=options.samples or entry.samples,
@@ -84,6 +86,7 @@ def settings_of(options: argparse.Namespace) -> RunSettings:
         threads=options.threads,
         algo=algo,
         world_model=options.world_model,
+        start=options.start,
     )
 
 

@@ -91,11 +91,15 @@ def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCall
 
 
 def experiment(
-    env_id: str, base: str | None = None, conf_file: str | Path | None = None, algo: str = "ppo"
-) -> Experiment:
-    """Read and check the whole entry of an environment; arguments and errors as `hyperparameters`."""
+    env_id: str, base: str | None = None, conf_file: str | Path | None = None, algo: str = "ppo",
+    start: str | None = None,
+) -> Experiment:  # fmt: skip
+    """Read and check the whole entry of an environment; arguments and errors as `hyperparameters`.
+
+    `start` is the adaptation to go on from; None keeps the entry's, if it has one.
+    """
     file = conf_path(check_algorithm(algo) if conf_file is None else conf_file)
-    return experiment_of(read_entry(file, env_id), env_id, base, algo, file.name)
+    return experiment_of(read_entry(file, env_id), env_id, base, algo, file.name, start)
 
 
 def check_algorithm(algo: str) -> str:
@@ -110,9 +114,10 @@ def check_algorithm(algo: str) -> str:
 
 
 def experiment_of(
-    entry: Mapping[str, Any], env_id: str, base: str | None = None, algo: str = "ppo", source: str = "entry"
-) -> Experiment:
-    """Check the entry of an environment; `source` says in errors where it stands.
+    entry: Mapping[str, Any], env_id: str, base: str | None = None, algo: str = "ppo", source: str = "entry",
+    start: str | None = None,
+) -> Experiment:  # fmt: skip
+    """Check the entry of an environment; `source` says in errors where it stands, for `start` see `experiment`.
 
     Raises:
         ValueError: as `hyperparameters`.
@@ -128,6 +133,8 @@ def experiment_of(
     policy_kwargs = dict(entry.get("policy_kwargs") or {})
     if base is not None:
         policy_kwargs["base"] = base
+    if start is not None:
+        policy_kwargs["start"] = start
     _refuse_unknown(f"{where}: policy_kwargs", policy_kwargs, arguments_of(policy))
     arguments = {key: _number(where, key, value) for key, value in entry.items() if key in keys}
     return Experiment(

@@ -34,6 +34,7 @@ class RunSettings:
         threads: threads of physics and networks; None for all cores.
         algo: the algorithm, "ppo" or "svg".
         world_model: file of SVG's world model; None for the entry's.
+        start: adaptation to go on from, name or file; None for the entry's, if it has one.
     """
 
     env_id: str
@@ -47,6 +48,7 @@ class RunSettings:
     threads: int | None = None
     algo: str = "ppo"
     world_model: str | None = None
+    start: str | None = None
 
 
 class RunFolder:
@@ -100,7 +102,7 @@ class RunFolder:
         if not file.is_file():
             raise ValueError(f"no training run at {path}: it has no run.json")
         try:
-            values = {"algo": "ppo", "world_model": None, **json.loads(file.read_text(encoding="utf-8"))}
+            values = {"algo": "ppo", "world_model": None, "start": None, **json.loads(file.read_text(encoding="utf-8"))}
             settings = RunSettings(**{f.name: values[f.name] for f in fields(RunSettings)})
             if settings.motion == MOTION:
                 settings = replace(settings, motion=str(folder / MOTION))
@@ -115,7 +117,9 @@ class RunFolder:
         Raises:
             ValueError: if that was removed or damaged.
         """
-        return experiment(self.settings.env_id, self.settings.base, self.config, self.settings.algo)
+        return experiment(
+            self.settings.env_id, self.settings.base, self.config, self.settings.algo, self.settings.start
+        )
 
     def write_settings(self, settings: RunSettings) -> None:
         """Write `run.json`; a clip in the folder is named without the folder, which may move."""

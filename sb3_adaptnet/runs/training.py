@@ -58,7 +58,7 @@ def build_learner(
     """
     if settings.threads is not None:
         torch.set_num_threads(settings.threads)
-    entry = entry or experiment(settings.env_id, settings.base, settings.conf_file, settings.algo)
+    entry = entry or experiment(settings.env_id, settings.base, settings.conf_file, settings.algo, settings.start)
     env = make_worlds(settings, entry, **overrides)
     given = {} if settings.world_model is None else {"world_model": settings.world_model}
     algorithm: Any = ALGORITHMS[entry.algorithm]

@@ -24,7 +24,7 @@ from sb3_adaptnet.sweeps.yaml_values import whole
 from sb3_adaptnet.weights.checkpoint import resolve
 from sb3_adaptnet.world_model.world_file import beside_base
 
-SETTINGS = ("algo", "base", "conf_file", "motion", "n_envs", "samples", "world_model")
+SETTINGS = ("algo", "base", "conf_file", "motion", "n_envs", "samples", "start", "world_model")
 """Changes that are settings of a run, as of `adaptnet train`; all others change the zoo's entry."""
 
 
@@ -43,7 +43,7 @@ def units_of(sweep: Sweep, cores: int) -> list[Unit]:
         for override, changes in sweep.overrides.items():
             where = f"{sweep.name}.yml: {task.name}{override and f' with {override}'}"
             try:
-                units += _units(sweep, task, override, merged(task.changes, changes), cores)
+                units += _units(sweep, task, override, merged(task.changes, changes), cores, units)
             except (ValueError, TypeError, AssertionError, OSError, gym.error.Error) as error:
                 raise ValueError(f"{where}: {error}") from error
     names = [unit.name for unit in units]
@@ -51,6 +51,14 @@ def units_of(sweep: Sweep, cores: int) -> list[Unit]:
     if twice is not None:
         raise ValueError(f"{sweep.name}.yml: two runs are called {twice!r}; give a task another `name`")
     return units
+
+
+def waves(units: Sequence[Unit]) -> list[list[str]]:
+    """Names of the runs in groups: what a run starts from is in a group before its own."""
+    number: dict[str, int] = {}
+    for unit in units:
+        number[unit.name] = number[unit.after] + 1 if unit.after else 0
+    return [[name for name in number if number[name] == wave] for wave in range(max(number.values()) + 1)]
 
 
 def prepare(units: Sequence[Unit], folder: Path) -> list[UnitFolder]:
@@ -76,7 +84,9 @@ def prepare(units: Sequence[Unit], folder: Path) -> list[UnitFolder]:
     return [place for _, place in found]
 
 
-def _units(sweep: Sweep, task: Task, override: str, changes: Mapping[str, Any], cores: int) -> list[Unit]:
+def _units(
+    sweep: Sweep, task: Task, override: str, changes: Mapping[str, Any], cores: int, before: Sequence[Unit]
+) -> list[Unit]:
     given = _settings({key: value for key, value in changes.items() if key in SETTINGS})
     algo = check_algorithm(given.pop("algo", "ppo"))
     spec = spec_of(task.env_id)
@@ -84,9 +94,10 @@ def _units(sweep: Sweep, task: Task, override: str, changes: Mapping[str, Any], 
         raise ValueError(f"{task.env_id} is not of this suite and cannot be evaluated")
     entry = read_entry(conf_path(given.pop("conf_file", algo)), task.env_id)
     entry = merged(entry, {key: value for key, value in changes.items() if key not in SETTINGS})
-    found = experiment_of(entry, task.env_id, given.get("base"), algo)
+    after = _run_of(given, before)
+    found = experiment_of(entry, task.env_id, given.get("base"), algo, start=given.get("start") or after or None)
     samples = given.pop("samples", found.samples)
-    given |= _files(found, given.get("motion"), given.get("world_model"))
+    given |= _files(found, given.get("motion"), given.get("world_model"), given.get("start"))
     resources = sweep.resources
     settings: dict[str, Any] = {
         "threads": resources.threads or max(round(resources.cpus or cores), 1),
@@ -104,9 +115,21 @@ def _units(sweep: Sweep, task: Task, override: str, changes: Mapping[str, Any], 
             measurement=sweep.measurement,
             minutes=sweep.minutes,
             bits=task.bits,
+            after=after,
         )
         for seed in task.seeds
     ]
+
+
+def _run_of(given: dict[str, Any], before: Sequence[Unit]) -> str:
+    """Take `start` out of settings and return that run's name if it is a task before this one, else ""."""
+    runs = [unit.name for unit in before if unit.task == given.get("start")]
+    if not runs:
+        return ""
+    if len(runs) > 1:
+        raise ValueError(f"it starts from {given['start']!r}, of which there are {len(runs)} runs: {', '.join(runs)}")
+    del given["start"]
+    return runs[0]
 
 
 def _settings(given: dict[str, Any]) -> dict[str, Any]:
@@ -119,7 +142,7 @@ def _settings(given: dict[str, Any]) -> dict[str, Any]:
     return given
 
 
-def _files(found: Experiment, motion: str | None, world_model: str | None) -> dict[str, str]:
+def _files(found: Experiment, motion: str | None, world_model: str | None, start: str | None) -> dict[str, str]:
     """Check what the run will open, and build what needs no worlds; return paths that hold in any working directory."""
     files: dict[str, str] = {}
     found.make_callbacks()
@@ -128,6 +151,10 @@ def _files(found: Experiment, motion: str | None, world_model: str | None) -> di
         if not resolve(base).is_file():
             raise ValueError(f"there is no base file {str(resolve(base))!r}")
         files["base"] = str(Path(base).resolve()) if Path(base).is_file() else str(base)
+    if start is not None:
+        if not resolve(start).is_file():
+            raise ValueError(f"it starts from {start!r}, which is neither a task before it nor a file")
+        files["start"] = str(Path(start).resolve()) if Path(start).is_file() else start
     if world_model is not None and found.algorithm != "svg":
         raise ValueError(f"world_model {world_model!r} goes with algo svg, not with {found.algorithm}")
     model = Path(world_model) if world_model is not None else None if base is None else beside_base(base)

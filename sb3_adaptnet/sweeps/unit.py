@@ -35,6 +35,7 @@ class Unit:
         measurement: how the result is measured; None for not at all.
         minutes: between checkpoints.
         bits: what a weight of the result is stored in.
+        after: name of the run whose weights this one starts from; empty for none.
     """
 
     name: str
@@ -45,11 +46,12 @@ class Unit:
     measurement: Measurement | None = None
     minutes: float = 3.0
     bits: int = BITS[0]
+    after: str = ""
 
     def fixed(self) -> dict[str, Any]:
         """What may not change once the run has begun, by names for people."""
         values = {**asdict(self.settings), **{f"the entry's {key}": value for key, value in self.entry.items()}}
-        return {name: value for name, value in values.items() if name not in MAY_CHANGE}
+        return {name: value for name, value in values.items() if name not in MAY_CHANGE} | {"the start": self.after}
 
 
 class UnitFolder:
@@ -97,15 +99,26 @@ class UnitFolder:
         self.path.mkdir(parents=True, exist_ok=True)
         measured = unit.measurement and {"seconds": unit.measurement.seconds, "seeds": list(unit.measurement.seeds)}
         values = {"task": unit.task, "override": unit.override, "settings": asdict(unit.settings),
-                  "entry": unit.entry, "measurement": measured, "minutes": unit.minutes, "bits": unit.bits}  # fmt: skip
+                  "entry": unit.entry, "measurement": measured, "minutes": unit.minutes, "bits": unit.bits,
+                  "after": unit.after}  # fmt: skip
         text = yaml.safe_dump(values, sort_keys=False)
         write_atomically(self.unit_file, lambda stream: stream.write(text.encode()))
 
     def write_config(self, unit: Unit) -> RunSettings:
-        """Write the entry to train with; return the run's settings that name it."""
+        """Write the entry to train with; return the run's settings that name it, and where the run starts from.
+
+        Raises:
+            ValueError: if the run that it starts from is not done.
+        """
+        start = unit.settings.start
+        if unit.after:
+            before = UnitFolder(self.path.parent / unit.after)
+            if not before.is_done():
+                raise ValueError(f"it starts from {unit.after}, which is not done")
+            start = str(before.path / before.read_result()["weights"])
         text = yaml.safe_dump({unit.settings.env_id: unit.entry}, sort_keys=False)
         write_atomically(self.config, lambda stream: stream.write(text.encode()))
-        return replace(unit.settings, conf_file=str(self.config))
+        return replace(unit.settings, conf_file=str(self.config), start=start)
 
     def write_result(self, unit: Unit, samples: int, weights: Path, figures: list[dict[str, Any]]) -> None:
         """Say that the run is done, with how many samples and which figures, one for each seed of the measurement."""

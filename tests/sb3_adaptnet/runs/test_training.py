@@ -73,6 +73,27 @@ def test_a_run_without_its_base_leaves_nothing(tmp_path, capsys):
     assert "no base file 'nosuch.safetensors'" in capsys.readouterr().err and not (tmp_path / "run").exists()
 
 
+def test_a_run_goes_on_from_an_adaptation_and_its_card_names_it(tmp_path, tiny_base, two_styles):
+    entry = conf(tmp_path, policy="sb3_adaptnet.AdaptNetPolicy", policy_kwargs={"critic_lr": 6.0e-4})
+    words = ["train", TOY, "--conf-file", entry, "--base", str(tiny_base), "--samples", "64", "--quiet"]
+    run = tmp_path / "run"
+    assert main([*words, "--start", str(two_styles[1]), "--run-dir", str(run)]) == 0  # of low rank, unlike the entry's
+    two_styles[1].unlink()  # a run that began does not need it
+    with pytest.warns(UserWarning, match="of an adaptation to start from"):
+        assert main(["train", "--resume", str(run), "--samples", "128", "--quiet"]) == 0
+        card = json.loads(export(run, tmp_path / "on.st").with_suffix(".json").read_text())
+    assert card["training"]["ppo"]["policy_kwargs"]["start"] == "limp" and card["shape"]["adaptors"] == "lora"
+    assert str(tmp_path) not in json.dumps(card)
+
+
+def test_a_run_without_its_start_leaves_nothing(tmp_path, tiny_base, capsys):
+    entry = conf(tmp_path, policy="sb3_adaptnet.AdaptNetPolicy", policy_kwargs={"critic_lr": 6.0e-4})
+    words = ["train", TOY, "--conf-file", entry, "--base", str(tiny_base), "--start", "nosuch.safetensors"]
+    with pytest.warns(UserWarning, match="no file 'nosuch.safetensors' of an adaptation"):
+        assert main([*words, "--run-dir", str(tmp_path / "run")]) == 2
+    assert "nosuch.safetensors" in capsys.readouterr().err and not (tmp_path / "run").exists()
+
+
 def test_a_run_can_be_resumed_from_its_first_moment(tmp_path):
     class Killed(Exception):
         pass

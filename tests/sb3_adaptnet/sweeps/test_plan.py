@@ -108,10 +108,13 @@ def of_card(values):
 def test_pretrained_makes_what_ships_as_the_cards_say():
     found = {unit.task: unit for unit in units_of(read_sweep("pretrained"), 2)}
     cards = {name: json.loads(pretrained_path(name).with_suffix(".json").read_text()) for name in pretrained_names()}
-    assert {name for name, card in cards.items() if card["kind"] == "adaptation"} == set(found)
-    for name, unit in found.items():
+    tasks = {unit.name: name for name, unit in found.items()}
+    begun = {tasks[unit.after] for unit in found.values() if unit.after}
+    assert {name for name, card in cards.items() if card["kind"] == "adaptation"} == set(found) - begun
+    for name, unit in ((name, unit) for name, unit in found.items() if name not in begun):
         card, settings = cards[name]["training"], unit.settings
-        entry = experiment_of(unit.entry, settings.env_id, settings.base, settings.algo)
+        start = tasks.get(unit.after)
+        entry = experiment_of(unit.entry, settings.env_id, settings.base, settings.algo, start=start)
         assert (settings.env_id, settings.seed) == (cards[name]["environment"], card["seed"])
         assert 0 <= card["samples"] - settings.samples < 16 * 512
         assert (unit.bits == 8) == (cards[name]["format"] == 2)
