@@ -1,59 +1,139 @@
 """Draws the animated pictures of the environments' pages: `python docs/animate.py [NAME ...]`.
 
-Needs the project installed and OpenGL; each takes half a minute or so on one core.
+`--films FOLDER` writes the same worlds as films. Needs the project installed and OpenGL; a picture takes
+seconds on one core for each pane, a film ten times as long.
 """
 
 import argparse
-from itertools import islice
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
-from adapt_envs import env_id
+from adapt_envs import AdaptVectorEnv, env_id
+from adapt_envs.drawing.film import write_video
 from adapt_envs.drawing.picture import Image, tiled
 from adapt_envs.model import CONTROL_DT
 from sb3_adaptnet import load_policy
 from sb3_adaptnet.evaluation import open_worlds
 from sb3_adaptnet.evaluation.pictures import captioned
+from sb3_adaptnet.evaluation.recording import Acting
+from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 from sb3_adaptnet.publishing.pictures import world_frames
 
 FOLDER = Path(__file__).parent / "families"
+
+
+class Pane(NamedTuple):
+    """Who is shown where.
+
+    Attributes:
+        policy: name of a shipped policy, or of two adaptations that act at once, such as "walk-penguin+walk-icewalk".
+        environment: short name of the environment.
+        motion: of the environment, where it is not its own.
+    """
+
+    policy: str
+    environment: str
+    motion: str | None = None
+
+    @property
+    def caption(self) -> str:
+        """Words of the pane."""
+        return f"{self.policy} in {self.environment}"
+
+
+class Picture(NamedTuple):
+    """Worlds side by side.
+
+    Attributes:
+        panes: row by row.
+        columns: panes in a row.
+        side: of a pane in the animated picture [pixels]; in the film each is of `FILM_SIDE`.
+    """
+
+    panes: tuple[Pane, ...]
+    columns: int
+    side: int = 220
+
+
+def _beneath(pairs: tuple[tuple[str, str], ...]) -> tuple[Pane, ...]:
+    """Adaptations (base, environment) in a row beneath their bases."""
+    bases = [Pane(base, name) for base, name in pairs]
+    return (*bases, *(Pane(f"{base}-{name.lower()}", name) for base, name in pairs))
+
+
+STYLES = ("Stoop", "Penguin", "Stomp", "Kicking", "GooseStep", "JauntySkip", "Swaggering", "Sashay", "Limp", "Pace",
+          "Strutting", "Joyful")  # fmt: skip
+BODIES = (("walk", "LongShinsWalk"), ("walk", "LongThighsWalk"), ("walk", "SuperLongLegsWalk"), ("run", "LongShins"),
+          ("run", "LongThighs"))  # fmt: skip
+LOCKS = (("walk", "LockedRightKneeWalk"), ("walk", "LockedAnklesWalk"), ("run", "LockedRightKnee"))
+GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "Obstacles"))
+STACK = tuple(
+    Pane(policy, "IceWalk", "Penguin")
+    for policy in ("walk", "walk-penguin", "walk-icewalk", "walk-penguin+walk-icewalk")
+)
 PICTURES = {
-    "bases": (("walk", "Walk"), ("run", "Run")),
-    "styles": (("walk-stoop", "Stoop"), ("walk-goosestep", "GooseStep"), ("walk-penguin", "Penguin")),
-    "bodies": (("run", "LongShins"), ("run-longshins", "LongShins")),
-    "locks": (("run", "LockedRightKnee"), ("run-lockedrightknee", "LockedRightKnee")),
-    "ice": (("walk", "IceWalk"), ("walk-icewalk", "IceWalk")),
-    "terrain": (("walk-terrainhills", "TerrainHills"), ("walk-obstacles", "Obstacles")),
-    "pushes": (("walk-pushwalk", "PushWalk"),),
+    "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
+    "styles": Picture(tuple(Pane(f"walk-{name.lower()}", name) for name in STYLES), 4, 180),
+    "bodies": Picture(_beneath(BODIES), len(BODIES), 160),
+    "locks": Picture(_beneath(LOCKS), len(LOCKS)),
+    "ice": Picture(_beneath(GROUNDS[:1]), 2),
+    "terrain": Picture(_beneath(GROUNDS[1:]), 2),
+    "pushes": Picture((Pane("walk-pushwalk", "PushWalk"),), 1),
+    "stack": Picture(STACK, len(STACK), 180),
 }
-"""File -> (policy, environment) of every pane, from left to right."""
-PANE, EVERY, SECONDS = 220, 2, 4.0
-"""Side of a pane [pixels], control steps from a picture to the next, length [s]."""
-QUALITY = 32
-"""Of WebP, up to 100."""
+"""File -> what it shows."""
+EVERY, SECONDS, QUALITY = 2, 4.0, 32
+"""Of animated pictures: control steps from one frame to the next, length [s], WebP's quality up to 100."""
+FILM_SIDE, FILM_SECONDS = 320, 12.0
+"""Of films: side of a pane [pixels] and length [s]."""
 
 
-def panes_of(policy: str, name: str) -> list[Image]:
-    """Pictures of one world, small and captioned."""
-    env = open_worlds(env_id(name), 1, num_threads=1)
-    count = round(SECONDS / CONTROL_DT / EVERY)
-    frames = islice(world_frames(load_policy(policy, env), env, SECONDS, seed=1, every=EVERY), count)
-    small = [cv2.resize(frame, (PANE, PANE), interpolation=cv2.INTER_AREA) for frame in frames]
-    return [captioned(np.asarray(frame, np.uint8), f"{policy} in {name}") for frame in small]
+def opened(pane: Pane) -> tuple[Acting, AdaptVectorEnv]:
+    """The pane's policy and its one world."""
+    motion = {} if pane.motion is None else {"motion": pane.motion}
+    env = open_worlds(env_id(pane.environment), 1, num_threads=1, **motion)
+    first, *others = pane.policy.split("+")
+    policy = load_policy(first, env)
+    for other in others:
+        assert isinstance(policy, AdaptNetPolicy)
+        policy.add_adaptation(other, weight=1.0)
+    return policy, env
+
+
+def frames_of(picture: Picture, side: int, every: int, seconds: float) -> Iterator[Image]:
+    """The panes side by side as time goes on, small and captioned."""
+    shown = [world_frames(*opened(pane), seconds, seed=1, every=every) for pane in picture.panes]
+    for frames in zip(*shown, strict=True):
+        small = [cv2.resize(frame, (side, side), interpolation=cv2.INTER_AREA) for frame in frames]
+        panes = [
+            captioned(np.asarray(frame, np.uint8), pane.caption)
+            for frame, pane in zip(small, picture.panes, strict=True)
+        ]
+        rows = [panes[first : first + picture.columns] for first in range(0, len(panes), picture.columns)]
+        yield tiled(rows, picture.columns)
 
 
 def animate(name: str) -> Path:
-    """Draw one picture; return its file."""
-    columns = [panes_of(policy, environment) for policy, environment in PICTURES[name]]
-    frames = [tiled([row], len(row)) for row in zip(*columns, strict=True)]
+    """Draw one animated picture; return its file."""
     animation = cv2.Animation()
+    frames = frames_of(PICTURES[name], PICTURES[name].side, EVERY, SECONDS)
     animation.frames = [cv2.cvtColor(frame, cv2.COLOR_RGB2BGR) for frame in frames]
-    animation.durations = np.full(len(frames), round(1000 * EVERY * CONTROL_DT))
+    animation.durations = np.full(len(animation.frames), round(1000 * EVERY * CONTROL_DT))
     file = FOLDER / f"{name}.webp"
     if not cv2.imwriteanimation(str(file), animation, [cv2.IMWRITE_WEBP_QUALITY, QUALITY]):
         raise OSError(f"{file} cannot be written")
+    return file
+
+
+def film(name: str, folder: Path) -> Path:
+    """Write the same worlds as a film into a folder; return its file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / f"{name}.mp4"
+    write_video(frames_of(PICTURES[name], FILM_SIDE, 1, FILM_SECONDS), file)
     return file
 
 
@@ -61,12 +141,14 @@ def main() -> None:
     """Draw the pictures that are named, or all."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))
-    names = parser.parse_args().names
+    parser.add_argument("--films", metavar="FOLDER", help="write films of twelve seconds there, and no pictures")
+    options = parser.parse_args()
+    names = options.names
     unknown = [name for name in names if name not in PICTURES]
     if unknown:
         parser.error(f"no picture is named {unknown[0]!r}; the names are {', '.join(PICTURES)}")
     for name in names or PICTURES:
-        file = animate(name)
+        file = animate(name) if options.films is None else film(name, Path(options.films))
         print(f"wrote {file}, {file.stat().st_size / 1000:.0f} kB", flush=True)
 
 
