@@ -20,7 +20,6 @@ from sb3_adaptnet import load_policy
 from sb3_adaptnet.evaluation import open_worlds
 from sb3_adaptnet.evaluation.pictures import captioned
 from sb3_adaptnet.evaluation.recording import Acting
-from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 from sb3_adaptnet.publishing.pictures import world_frames
 
 FOLDER = Path(__file__).parent / "families"
@@ -30,19 +29,18 @@ class Pane(NamedTuple):
     """Who is shown where.
 
     Attributes:
-        policy: name of a shipped policy, or of two adaptations that act at once, such as "walk-penguin+walk-icewalk".
+        policy: name of a shipped policy.
         environment: short name of the environment.
-        motion: of the environment, where it is not its own.
     """
 
     policy: str
     environment: str
-    motion: str | None = None
 
     @property
     def caption(self) -> str:
-        """Words of the pane."""
-        return f"{self.policy} in {self.environment}"
+        """Words of the pane: the policy, and where it walks if its name does not tell."""
+        own = self.environment.lower() in self.policy
+        return self.policy if own else f"{self.policy} in {self.environment}"
 
 
 class Picture(NamedTuple):
@@ -71,10 +69,6 @@ BODIES = (("walk", "LongShinsWalk"), ("walk", "LongThighsWalk"), ("walk", "Super
           ("run", "LongThighs"))  # fmt: skip
 LOCKS = (("walk", "LockedRightKneeWalk"), ("walk", "LockedAnklesWalk"), ("run", "LockedRightKnee"))
 GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "Obstacles"))
-STACK = tuple(
-    Pane(policy, "IceWalk", "Penguin")
-    for policy in ("walk", "walk-penguin", "walk-icewalk", "walk-penguin+walk-icewalk")
-)
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
     "styles": Picture(tuple(Pane(f"walk-{name.lower()}", name) for name in STYLES), 4, 180),
@@ -83,7 +77,6 @@ PICTURES = {
     "ice": Picture(_beneath(GROUNDS[:1]), 2),
     "terrain": Picture(_beneath(GROUNDS[1:]), 2),
     "pushes": Picture((Pane("walk-pushwalk", "PushWalk"),), 1),
-    "stack": Picture(STACK, len(STACK), 180),
 }
 """File -> what it shows."""
 EVERY, SECONDS, QUALITY = 2, 4.0, 32
@@ -94,14 +87,8 @@ FILM_SIDE, FILM_SECONDS = 320, 12.0
 
 def opened(pane: Pane) -> tuple[Acting, AdaptVectorEnv]:
     """The pane's policy and its one world."""
-    motion = {} if pane.motion is None else {"motion": pane.motion}
-    env = open_worlds(env_id(pane.environment), 1, num_threads=1, **motion)
-    first, *others = pane.policy.split("+")
-    policy = load_policy(first, env)
-    for other in others:
-        assert isinstance(policy, AdaptNetPolicy)
-        policy.add_adaptation(other, weight=1.0)
-    return policy, env
+    env = open_worlds(env_id(pane.environment), 1, num_threads=1)
+    return load_policy(pane.policy, env), env
 
 
 def frames_of(picture: Picture, side: int, every: int, seconds: float) -> Iterator[Image]:
