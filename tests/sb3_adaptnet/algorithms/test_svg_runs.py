@@ -80,7 +80,8 @@ def test_a_base_from_nothing_is_exported_with_its_world_model(tmp_path, capsys):
     assert capsys.readouterr().out.split() == [str(tmp_path / "mine.safetensors"), str(world)]
     model, card = read_world(world)
     state = RunFolder.open(run).load()["world"]["model"]
-    assert all(torch.allclose(model.state_dict()[name], tensor, 1e-3, 1e-4) for name, tensor in state.items())
+    for name, tensor in state.items():  # stored in 8 bits
+        torch.testing.assert_close(model.state_dict()[name], tensor, rtol=1e-3, atol=float(tensor.abs().max()) / 250)
     assert card["training"] == {"policies": ["mine"], "samples": 96, "seed": 0} and len(card["errors"]["world"]) == 5
 
 
