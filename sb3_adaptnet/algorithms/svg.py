@@ -83,7 +83,7 @@ class SVG(ModelBasedAlgorithm):
             window: control steps that gradients pass through.
             gradient_steps: updates of the policy per rollout.
             recent_rollouts: rollouts that windows are taken from; every other one is from the latest.
-            regression_updates: updates of the first guess, before the first rollout.
+            regression_updates: updates of the first guess, before the first rollout; 0 for a policy that has a start.
             average_decay: what an update leaves of the running average of the weights. The average is the policy:
                 its falls were half to a tenth of the latest weights'.
             episodes: how long they last, and what ends them.

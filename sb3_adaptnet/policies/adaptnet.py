@@ -1,6 +1,7 @@
 """AdaptNet as a Stable-Baselines3 policy."""
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -64,7 +65,9 @@ class AdaptNetPolicy(PolicyFromBase):
             kappa: coefficient of the adaptors' norm (eq. 12).
             alpha: scale of the adaptation.
             start: adaptation of the same base to go on from, a shipped one's name or a file; the choices above, up to
-                `injector`, are then the file's.
+                `injector`, are then the file's, and so is whether a heightmap is read: with one that reads none, the
+                adaptation stays blind, which a warning says. The training must be gentle with it, as `adaptnet train
+                --start` is: PPO with an `actor_lr` of 1e-6 at first, SVG without `regression_updates`.
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of
                 `ObjectivePolicy`.
 
@@ -93,6 +96,9 @@ class AdaptNetPolicy(PolicyFromBase):
     def _go_on_from(self, start: str | Path) -> None:
         if resolve(start).is_file():
             self.load_adaptation(start)
+            if self.reads_heightmap and not self.actor.parts()[TRAINED].shape.heightmap:
+                found = f"{str(start)!r} reads no heightmap"
+                warnings.warn(f"{found}, and what goes on from it will not either", stacklevel=4)
         else:  # `PPO.load` builds the policy before it restores it
             self.miss(f"there is no file {str(start)!r} of an adaptation to start from")
 

@@ -68,7 +68,7 @@ class PolicyFromBase(ObjectivePolicy):
         self._missing = CheckpointError(sentence)
         warnings.warn(f"{sentence}; the policy cannot act unless a saved state is loaded into it", stacklevel=5)
 
-    def check_base_found(self) -> None:
+    def check_files_found(self) -> None:
         """Refuse to begin without the files that it starts from.
 
         Raises:
@@ -82,7 +82,7 @@ class PolicyFromBase(ObjectivePolicy):
         raise NotImplementedError
 
     def _split(self, obs: PyTorchObs) -> Observation:
-        self.check_base_found()
+        self.check_files_found()
         return super()._split(obs)
 
     def describe_actor(self) -> dict[str, Any]:

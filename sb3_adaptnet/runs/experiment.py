@@ -24,6 +24,8 @@ FALLBACK = "default"
 """Entry for ids that are not named in the file, as in rl_zoo3."""
 RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")
 """Keys of an entry that belong to the run, not to the algorithm."""
+FIRST_STEP = 1e-6
+"""PPO's first actor rate when it goes on from an adaptation: the usual 1e-4 gave the first update a KL of 1.9."""
 NOT_FROM_YAML = ("self", "env", "policy", "_init_setup_model")
 
 
@@ -96,7 +98,8 @@ def experiment(
 ) -> Experiment:  # fmt: skip
     """Read and check the whole entry of an environment; arguments and errors as `hyperparameters`.
 
-    `start` is the adaptation to go on from; None keeps the entry's, if it has one.
+    `start` is the adaptation to go on from; None keeps the entry's, if it has one. It is treated gently: PPO's first
+    steps are small unless the entry has its own `actor_lr`; SVG's first guess, which would overwrite it, is left out.
     """
     file = conf_path(check_algorithm(algo) if conf_file is None else conf_file)
     return experiment_of(read_entry(file, env_id), env_id, base, algo, file.name, start)
@@ -135,6 +138,10 @@ def experiment_of(
         policy_kwargs["base"] = base
     if start is not None:
         policy_kwargs["start"] = start
+        if algo == "ppo":
+            policy_kwargs.setdefault("actor_lr", FIRST_STEP)
+        else:
+            entry = {**entry, "regression_updates": 0}
     _refuse_unknown(f"{where}: policy_kwargs", policy_kwargs, arguments_of(policy))
     arguments = {key: _number(where, key, value) for key, value in entry.items() if key in keys}
     return Experiment(

@@ -79,7 +79,7 @@ def start(
     learner = build_learner(settings)
     learner.others.extend(callbacks)
     if isinstance(learner.model.policy, PolicyFromBase):
-        learner.model.policy.check_base_found()
+        learner.model.policy.check_files_found()
     return learn(learner, RunFolder.new(settings, run_dir), **options)
 
 

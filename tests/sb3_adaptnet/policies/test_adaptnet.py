@@ -106,6 +106,12 @@ def test_a_start_that_is_no_adaptation_of_the_base_is_refused(two_styles, tiny_b
         adapt(AdaptNetPolicy, ToyEnv(), other, start=two_styles[0])
 
 
+def test_a_start_that_reads_no_heightmap_is_taken_with_a_warning(two_styles, tiny_base):
+    with pytest.warns(UserWarning, match="reads no heightmap"):
+        model = adapt(AdaptNetPolicy, ToyEnv(heightmap=True), tiny_base, start=two_styles[0])
+    assert not model.policy.actor.parts()["main"].shape.heightmap
+
+
 def test_a_start_that_is_gone_is_missed_by_a_policy_that_would_act_but_not_by_one_that_is_loaded(
     two_styles, tiny_base, tmp_path
 ):

@@ -9,7 +9,7 @@ from toy_zoo import TOY, conf
 from adapt_envs import SUITE, env_id
 from sb3_adaptnet import FinetunePolicy, PretrainPolicy, callbacks, hyperparameters
 from sb3_adaptnet.objectives.schedule import value_at
-from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.runs.experiment import FIRST_STEP, experiment
 from sb3_adaptnet.weights.shipped import zoo_config_path
 
 
@@ -30,6 +30,13 @@ def test_an_id_may_name_its_module():
     plain, named = (experiment(name) for name in (env_id("PushWalk"), f"adapt_envs:{env_id('PushWalk')}"))
     assert named.callbacks == plain.callbacks and len(named.callbacks) == 3
     assert experiment(f"adapt_envs:{env_id('Walk')}").policy is PretrainPolicy
+
+
+def test_what_goes_on_from_an_adaptation_begins_gently():
+    steps = experiment("AdaptNet/Humanoid-IceWalk-v0", start="walk-icewalk").arguments["policy_kwargs"]
+    assert steps["start"] == "walk-icewalk" and steps["actor_lr"] == FIRST_STEP
+    assert experiment("AdaptNet/Humanoid-Stoop-v0", algo="svg").arguments["regression_updates"] > 0
+    assert experiment("AdaptNet/Humanoid-Stoop-v0", algo="svg", start="walk-stoop").arguments["regression_updates"] == 0
 
 
 def test_schedules_are_refused(tmp_path):
