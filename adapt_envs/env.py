@@ -133,6 +133,11 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
         """In (0, 1]: how little the feet slid in the last transition; an objective beside goal and imitation."""
         return float(self.worlds.footing[0])
 
+    @property
+    def clearance(self) -> float:
+        """In [0, 1]: how much room obstacles left in the last transition; an objective, too."""
+        return float(self.worlds.clearance[0])
+
     def sample_reference_windows(self, n: int, rng: np.random.Generator) -> NDArray[np.float32]:
         """`n` windows (n, 5, 15, 7) of the reference motion, laid out as `pose_windows`."""
         return self.worlds.reference.sample_windows(n, rng)

@@ -190,6 +190,11 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
         """(N,) in (0, 1]: how little the feet slid in the last transition; an objective beside goal and imitation."""
         return self.worlds.footing
 
+    @property
+    def clearance(self) -> NDArray[np.float64]:
+        """(N,) in [0, 1]: how much room obstacles left in the last transition; an objective, too."""
+        return self.worlds.clearance
+
     def sample_reference_windows(self, n: int, rng: np.random.Generator) -> NDArray[np.float32]:
         """`n` windows (n, 5, 15, 7) of the reference motion, laid out as `pose_windows`."""
         return self.worlds.reference.sample_windows(n, rng)

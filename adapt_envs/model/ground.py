@@ -93,6 +93,10 @@ class Ground:
         """(...) whether points (..., 2) lie farther than `margin` [m] from every obstacle."""
         return np.ones(xy.shape[:-1], bool) if self.obstacles is None else self.obstacles.clear(xy, margin)
 
+    def distance_to_obstacles(self, xy: Array) -> NDArray[np.float32]:
+        """Distances (...) [m] of points (..., 2) from the nearest obstacle's sides, infinite without obstacles."""
+        return np.full(xy.shape[:-1], np.inf, np.float32) if self.obstacles is None else self.obstacles.distance(xy)
+
     def kept_targets(self, targets: Array, root_xy: Array, rng: np.random.Generator) -> NDArray[np.float32]:
         """Targets (n, 2) that lie 3 m inside the root's patch and in no obstacle.
 

@@ -117,6 +117,11 @@ class Obstacles:
         x, y = xy[..., 0, None], xy[..., 1, None]
         return np.logical_not(np.any(_inside(x, y, self._table, margin), axis=-1))
 
+    def distance(self, xy: NDArray[np.floating]) -> NDArray[np.float32]:
+        """Distances (...) [m] of points (..., 2) [m] from the nearest block's sides; 0 within a block."""
+        beyond = _beyond(xy[..., 0, None], xy[..., 1, None], self._table)
+        return np.hypot(*(np.maximum(part, 0) for part in beyond)).min(axis=-1, initial=np.inf).astype(np.float32)
+
     def add_to(self, spec: mujoco.MjSpec, friction: float) -> None:
         """Add the blocks to a model's world."""
         spec.add_material(name="obstacle", rgba=_COLOUR, specular=0.1, shininess=0.1)
@@ -131,7 +136,14 @@ class Obstacles:
 def _inside(
     x: NDArray[np.floating], y: NDArray[np.floating], table: NDArray[np.float32], margin: float
 ) -> NDArray[np.bool_]:
+    along, across = _beyond(x, y, table)
+    return (along <= margin) & (across <= margin)
+
+
+def _beyond(
+    x: NDArray[np.floating], y: NDArray[np.floating], table: NDArray[np.float32]
+) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """How far points lie beyond the blocks' sides along either of the blocks' axes; negative between the sides."""
     dx, dy = x - table[:, 0], y - table[:, 1]
     c, s = table[:, 4], table[:, 5]
-    along, across = np.abs(c * dx + s * dy), np.abs(c * dy - s * dx)
-    return (along <= table[:, 2] + margin) & (across <= table[:, 3] + margin)
+    return np.abs(c * dx + s * dy) - table[:, 2], np.abs(c * dy - s * dx) - table[:, 3]

@@ -23,6 +23,7 @@ from adapt_envs.simulation.physics import PhysicsBatch
 from adapt_envs.simulation.spawn import moved, standing_lift
 from adapt_envs.suite import TaskSpec, preferred_speeds
 from adapt_envs.tables import entry
+from adapt_envs.tasks.clearance import clearance_reward
 from adapt_envs.tasks.foot_slip import footing_reward
 from adapt_envs.tasks.goal import goal_observation, goal_reward
 from adapt_envs.tasks.goal_state import Goals
@@ -44,6 +45,7 @@ class Worlds:
         rng: source of all randomness but the terrain's; replace it to seed.
         steps: (N,) control steps since the worlds' last reset.
         starts: (N,) number of the start state that this reset took.
+        clearance: (N,) how much room obstacles left in the last step, in [0, 1]; see `clearance_reward`.
     """
 
     def __init__(self, spec: TaskSpec, num_worlds: int, num_threads: int | None = None) -> None:
@@ -62,6 +64,7 @@ class Worlds:
         self.rng = np.random.default_rng()
         self.steps = np.zeros(num_worlds, np.int64)
         self.starts = np.zeros(num_worlds, np.int64)
+        self.clearance = np.ones(num_worlds)
         self.history = np.zeros((num_worlds, WINDOW_FRAMES, len(LINKS), LINK_STATE), np.float32)
         self._all = np.arange(num_worlds)
         self._features = np.zeros_like(self.history)
@@ -152,6 +155,7 @@ class Worlds:
         self._remember_links(diverged)
         self.steps += 1
         after = self.root_xy
+        self.clearance = clearance_reward(self.ground.distance_to_obstacles(after))
         reward = goal_reward(before, after, self.goals.target, self.goals.speed)
         reward[diverged] = 0
         left = np.linalg.norm(self.goals.target - after, axis=1)

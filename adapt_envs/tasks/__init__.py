@@ -1,5 +1,6 @@
-"""What is asked of the character: the rules of goals, pushes, foot slip and the ends of episodes, over arrays."""
+"""What is asked of the character: rules of goals, pushes, foot slip, clearance and the ends of episodes, over arrays."""
 
+from adapt_envs.tasks.clearance import clearance_reward
 from adapt_envs.tasks.foot_slip import footing_reward
 from adapt_envs.tasks.goal import GOAL_RADIUS, goal_observation, goal_reward, targets_ahead
 from adapt_envs.tasks.goal_state import Goals
@@ -17,6 +18,7 @@ __all__ = [
     "Goals",
     "PushSchedule",
     "Pushes",
+    "clearance_reward",
     "ends",
     "footing_reward",
     "goal_observation",

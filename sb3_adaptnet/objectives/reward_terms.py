@@ -24,5 +24,5 @@ def environments_own(attribute: str, step: dict[str, Any]) -> NDArray[np.float32
         raise ValueError(f"the objective {attribute!r} needs environments with the attribute {attribute!r}") from error
 
 
-TERMS: dict[str, RewardTerm] = {"footing": partial(environments_own, "footing")}
-"""Reward terms by name: feet that stay where they stand."""
+TERMS: dict[str, RewardTerm] = {name: partial(environments_own, name) for name in ("footing", "clearance")}
+"""Reward terms by name: feet that stay where they stand, and room to obstacles."""
