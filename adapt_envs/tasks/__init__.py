@@ -1,4 +1,4 @@
-"""What is asked of the character: rules of goals, pushes, foot slip, clearance and the ends of episodes, over arrays."""
+"""What is asked of the character: goals, pushes, foot slip, clearance and the ends of episodes, over arrays."""
 
 from adapt_envs.tasks.clearance import clearance_reward
 from adapt_envs.tasks.foot_slip import footing_reward
