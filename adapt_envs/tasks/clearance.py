@@ -7,8 +7,8 @@ the character comes too near.
 import numpy as np
 from numpy.typing import NDArray
 
-NEAREST, FREE = 0.2, 0.6
-"""Distances [m] of the root from a block's side: touching with a shoulder, and in the middle of the narrowest lane."""
+NEAREST, FREE = 0.3, 0.5
+"""Distances [m] of the root from a block's side: there shoulders touch, and nothing does."""
 
 
 def clearance_reward(distance: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -18,6 +18,6 @@ def clearance_reward(distance: NDArray[np.floating]) -> NDArray[np.float64]:
         distance: (N,) of the roots from the nearest obstacle's sides [m], infinite where there is none.
 
     Returns:
-        (N,) in [0, 1]: 0 at 0.2 m and nearer, 1 at 0.6 m and beyond, linear between.
+        (N,) in [0, 1]: 0 at 0.3 m and nearer, 1 at 0.5 m and beyond, linear between.
     """
     return np.clip((distance.astype(np.float64) - NEAREST) / (FREE - NEAREST), 0, 1)

@@ -32,8 +32,8 @@ def test_distance_and_raised_heights_agree_on_what_is_within(blocks):
     assert np.array_equal(blocks.distance(xy) == 0, heights > 0) and (heights > 0).any()
 
 
-def test_the_reward_falls_from_one_in_the_middle_of_a_lane_to_none_at_a_touch():
-    assert clearance_reward(np.array([np.inf, 0.7, 0.6, 0.4, 0.2, 0.0])) == pytest.approx([1, 1, 1, 0.5, 0, 0])
+def test_the_reward_falls_from_one_to_none_where_shoulders_touch():
+    assert clearance_reward(np.array([np.inf, 0.6, 0.5, 0.4, 0.3, 0.0])) == pytest.approx([1, 1, 1, 0.5, 0, 0])
 
 
 def test_environments_keep_it_for_every_step():
