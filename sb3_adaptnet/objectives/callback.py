@@ -14,7 +14,7 @@ from stable_baselines3.common.utils import obs_as_tensor
 
 from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
 from sb3_adaptnet.objectives.imitation import ImitationObjective
-from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, next_step_size
+from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, KlRange, check_kl_range, kl_range_at, next_step_size
 from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
 from sb3_adaptnet.objectives.rollout_log import Rollout
@@ -46,7 +46,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         self,
         objective_weights: Mapping[str, Schedule] | None = None,
         terminal_reward: float = -10.0,
-        kl_range: tuple[float, float] | None = KL_RANGE,
+        kl_range: KlRange | None = KL_RANGE,
         actor_lr_range: tuple[float, float] = (1e-6, 1e-3),
         discriminator: Mapping[str, Any] | None = None,
         reward_terms: Mapping[str, RewardTerm] | None = None,
@@ -60,7 +60,8 @@ class DiscriminatorRewardCallback(BaseCallback):
                 "footing" does. Default: 0.5 and 0.5. A weight is a number, or samples -> number, joined by straight
                 lines: `{0: 0.5, 1_000_000: 0.2}`.
             terminal_reward: reward of every objective where an episode ended by a fall, lost or diverged.
-            kl_range: range of the KL divergence that the actor's step size is adjusted for; None keeps it fixed.
+            kl_range: range of the KL divergence that the actor's step size is adjusted for, each bound a number or
+                samples -> number; None keeps the step size fixed.
             actor_lr_range: smallest and largest effective learning rate of the actor.
             discriminator: arguments of `ImitationObjective` (learning_rate, batch_size, gradient_penalty, ...).
             reward_terms: name to a function of PPO's local variables at a step (`new_obs`, `actions`,
@@ -74,7 +75,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.weights: dict[str, Schedule] = dict(objective_weights or DEFAULT_WEIGHTS)
         self.reward_terms = {**TERMS, **(reward_terms or {})}
         self.terminal_reward = float(terminal_reward)
-        self.kl_range = (float(kl_range[0]), float(kl_range[1])) if kl_range is not None else None
+        self.kl_range = (kl_range[0], kl_range[1]) if kl_range is not None else None
         self.actor_lr_range = (float(actor_lr_range[0]), float(actor_lr_range[1]))
         self.discriminator_kwargs = dict(discriminator or {})
         _check(self.weights, self.reward_terms, self.kl_range, self.actor_lr_range)
@@ -151,11 +152,11 @@ class DiscriminatorRewardCallback(BaseCallback):
         kl = self.logger.name_to_value.get("train/approx_kl")  # of the update between the two rollouts
         self.kl = float(kl) if kl is not None else None
         if self.kl_range is not None and self.kl is not None:
-            self._set_step_size(self.kl)
+            self._set_step_size(self.kl, kl_range_at(self.kl_range, self.model.num_timesteps))
 
-    def _set_step_size(self, kl: float) -> None:
+    def _set_step_size(self, kl: float, kl_range: tuple[float, float]) -> None:
         optimizer = self._policy.optimizer
-        size = next_step_size(step_size(optimizer, ACTOR), kl, self.kl_range or KL_RANGE, self.actor_lr_range)
+        size = next_step_size(step_size(optimizer, ACTOR), kl, kl_range, self.actor_lr_range)
         set_step_size(optimizer, ACTOR, size)
 
     def _on_step(self) -> bool:
@@ -234,7 +235,7 @@ class DiscriminatorRewardCallback(BaseCallback):
 def _check(
     weights: Mapping[str, Schedule],
     terms: Mapping[str, RewardTerm],
-    kl_range: tuple[float, float] | None,
+    kl_range: KlRange | None,
     lr_range: tuple[float, float],
 ) -> None:
     known = (IMITATION, GOAL, *terms)
@@ -242,6 +243,7 @@ def _check(
         if name not in known:
             raise ValueError(f"objective {name!r} has no reward; known are: {', '.join(known)} (see reward_terms)")
         check_schedule(f"the weight of objective {name!r}", weight)
-    for label, bounds in (("kl_range", kl_range), ("actor_lr_range", lr_range)):
-        if bounds is not None and not 0.0 < bounds[0] <= bounds[1]:
-            raise ValueError(f"{label} must be two ascending positive numbers, not {bounds}")
+    if kl_range is not None:
+        check_kl_range(kl_range)
+    if not 0.0 < lr_range[0] <= lr_range[1]:
+        raise ValueError(f"actor_lr_range must be two ascending positive numbers, not {lr_range}")

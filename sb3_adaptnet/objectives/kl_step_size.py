@@ -2,7 +2,11 @@
 
 import math
 
-KL_RANGE = (0.012, 0.03)
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, times_of, value_at
+
+KlRange = tuple[Schedule, Schedule]
+"""The smallest and largest KL divergence of an update [nats], each a number or samples -> number."""
+KL_RANGE: KlRange = (0.012, 0.03)
 """Range of the KL divergence per update [nats], measured to learn fast without breaking the policy."""
 SCALE_STEP = 1.5
 """Factor of one correction of the step size."""
@@ -28,3 +32,23 @@ def next_step_size(
     elif kl < low:
         learning_rate *= SCALE_STEP
     return min(max(learning_rate, bounds[0]), bounds[1])
+
+
+def kl_range_at(kl_range: KlRange, samples: int) -> tuple[float, float]:
+    """The range [nats] after `samples` samples."""
+    low, high = kl_range
+    return value_at(low, samples), value_at(high, samples)
+
+
+def check_kl_range(kl_range: KlRange) -> None:
+    """Refuse anything but two schedules that are positive and ascending wherever one of them bends.
+
+    Raises:
+        ValueError: naming the range.
+    """
+    for bound in kl_range:
+        check_schedule("each bound of kl_range", bound)
+    for samples in sorted({*times_of(kl_range[0]), *times_of(kl_range[1])}):
+        low, high = kl_range_at(kl_range, samples)
+        if not 0.0 < low <= high:
+            raise ValueError(f"kl_range must be two ascending positive numbers, not {(low, high)} at {samples} samples")

@@ -1,6 +1,7 @@
 """What the callback keeps of a rollout beside PPO's buffer: windows, rewards, how episodes ended."""
 
 from collections import Counter
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.modules.observation import parts_of, whole_of
 
+TIME = "time"
 CONTROL_HZ = 30
 """Control steps per simulated second [Hz] (the paper, sec. 7)."""
 
@@ -60,7 +62,7 @@ class Rollout:
 
     def _add_end(self, world: int, info: dict[str, Any]) -> None:
         truncated = bool(info.get("TimeLimit.truncated", False))
-        self.ends[info.get("end", "time" if truncated else "fall")] += 1
+        self.ends[end_of(info)] += 1
         if "episode" in info:
             self.lengths.append(float(info["episode"]["l"]))
         if truncated:
@@ -79,4 +81,14 @@ class Rollout:
     def falls_per_minute(self) -> float:
         """Falls, lost and diverged episodes per simulated minute."""
         minutes = self.step * self.shape[1] / CONTROL_HZ / 60.0
-        return float(sum(n for end, n in self.ends.items() if end != "time") / minutes)
+        return float(sum(n for end, n in self.ends.items() if end != TIME) / minutes)
+
+
+def end_of(info: Mapping[str, Any]) -> str:
+    """What ended an episode, of its last step's info: "time", or a fall of some kind."""
+    return str(info.get("end", TIME if info.get("TimeLimit.truncated", False) else "fall"))
+
+
+def is_fall(info: Mapping[str, Any]) -> bool:
+    """Whether an episode ended by a fall, lost or diverged."""
+    return end_of(info) != TIME

@@ -17,6 +17,11 @@ def value_at(points: Schedule, samples: int) -> float:
     return float(np.interp(samples, at, [points[sample] for sample in at]))
 
 
+def times_of(points: Schedule) -> list[int]:
+    """The numbers of samples where lines meet, ascending; 0 of a number."""
+    return sorted(points) if isinstance(points, Mapping) else [0]
+
+
 def check_schedule(what: str, points: Schedule) -> None:
     """Refuse anything but a number or points, and negative numbers; `what` says whose they are.
 

@@ -114,7 +114,7 @@ class RunProgress(BaseCallback):
         row: Row = {"samples": self.num_timesteps, "seconds": round(self.seconds, 2)}
         row["samples_per_second"] = round(batch / max(spent, 1e-9), 1)
         row.update({name: metrics[name] for name in self.columns if name in metrics})
-        row.update({ramp.attribute: ramp.value(self.num_timesteps - batch) for ramp in self.ramps})
+        row.update({ramp.attribute: ramp.value for ramp in self.ramps})
         for callback in self.measuring:
             row.update(callback.metrics)
         self.logger.record("time/samples_per_second", row["samples_per_second"])

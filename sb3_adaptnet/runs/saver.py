@@ -2,12 +2,14 @@
 
 import json
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
+from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder
@@ -25,6 +27,7 @@ class RunSaver(BaseCallback):
         discriminators: DiscriminatorRewardCallback | None,
         minutes: float = 3.0,
         resume: dict[str, Any] | None = None,
+        ramps: Sequence[AttributeRamp] = (),
     ) -> None:
         """Prepare.
 
@@ -33,9 +36,11 @@ class RunSaver(BaseCallback):
             discriminators: the callback whose state belongs to the run, if there is one.
             minutes: time between checkpoints.
             resume: state to go on from.
+            ramps: attributes of the worlds that change meanwhile.
         """
         super().__init__()
         self.folder, self.discriminators, self.minutes, self.resume = folder, discriminators, minutes, resume
+        self.ramps = ramps
         self.seconds = float(resume["seconds"]) if resume else 0.0
         self._stop = False
 
@@ -43,7 +48,7 @@ class RunSaver(BaseCallback):
         self._clock = time.monotonic()
         self._saved = float("-inf")  # a run that dies early can be resumed as well
         if self.resume is not None:
-            restore(self.model, self.discriminators, self.resume)
+            restore(self.model, self.discriminators, self.resume, self.ramps)
             self.resume, self._saved = None, self._clock
 
     def ask_to_stop(self) -> None:
@@ -61,12 +66,15 @@ class RunSaver(BaseCallback):
         """Write a checkpoint now."""
         now = time.monotonic()
         self.seconds, self._clock = self.seconds + now - self._clock, now
-        self.folder.save(snapshot(self.model, self.discriminators, self.seconds))
+        self.folder.save(snapshot(self.model, self.discriminators, self.seconds, self.ramps))
         self._saved = time.monotonic()
 
 
 def snapshot(
-    model: BaseAlgorithm, discriminators: DiscriminatorRewardCallback | None, seconds: float
+    model: BaseAlgorithm,
+    discriminators: DiscriminatorRewardCallback | None,
+    seconds: float,
+    ramps: Sequence[AttributeRamp] = (),
 ) -> dict[str, Any]:
     """Everything that training changes, as tensors and plain values."""
     learner: Any = model
@@ -79,12 +87,18 @@ def snapshot(
         "optimizer": model.policy.optimizer.state_dict(),
         "imitation": state["imitation"],
         "order": json.dumps(state["rng"]),
+        "ramps": [ramp.state_dict() for ramp in ramps],
         "world": model.world_state() if isinstance(model, ModelBasedAlgorithm) else None,
         "random": random_states(),
     }
 
 
-def restore(model: BaseAlgorithm, discriminators: DiscriminatorRewardCallback | None, state: dict[str, Any]) -> None:
+def restore(
+    model: BaseAlgorithm,
+    discriminators: DiscriminatorRewardCallback | None,
+    state: dict[str, Any],
+    ramps: Sequence[AttributeRamp] = (),
+) -> None:
     """Put `snapshot`'s state back; the model's callbacks must be initialised."""
     learner: Any = model
     model.policy.load_state_dict(state["policy"])
@@ -93,6 +107,8 @@ def restore(model: BaseAlgorithm, discriminators: DiscriminatorRewardCallback | 
     learner._n_updates = int(state["updates"])
     if discriminators is not None:
         discriminators.load_state_dict({"imitation": state["imitation"], "rng": json.loads(state["order"])})
+    for ramp, at in zip(ramps, state.get("ramps", ()), strict=False):  # older checkpoints have none
+        ramp.load_state_dict(at)
     if isinstance(model, ModelBasedAlgorithm):
         model.set_world_state(state["world"])
     restore_random_states(state["random"])

@@ -116,8 +116,8 @@ def learn(
         The folder.
     """
     model, discriminators = learner.model, learner.discriminators
-    saver = RunSaver(folder, discriminators, minutes, state)
     ramps = [callback for callback in learner.others if isinstance(callback, AttributeRamp)]
+    saver = RunSaver(folder, discriminators, minutes, state, ramps)
     measuring = [callback for callback in learner.others if isinstance(callback, Measuring)]
     metrics = discriminators or TrackingMetrics()
     names = METRICS if discriminators is not None else TRACKING_METRICS

@@ -35,3 +35,26 @@ def test_the_worlds_of_a_ramp_with_a_spread_share_out_easy_and_hard():
 def test_a_ramp_needs_something_to_move():
     with pytest.raises(ValueError, match="no attribute 'drifft'"):
         make_model(AdaptVecEnv(ToyVectorEnv(4))).learn(64, callback=AttributeRamp("drifft", 0.2, 0.1, samples=128))
+
+
+def test_a_ramp_by_falls_moves_as_far_as_falls_are_rare_and_back_where_they_are_many():
+    env, seen = AdaptVecEnv(ToyVectorEnv(4)), []
+    ramp = AttributeRamp("drift", 0.0, 1.0, samples=640, falls_per_minute=1.0)
+    model = make_model(env)
+    model.learn(64, callback=[ramp, Check(lambda _: seen.append(env.vector_env.drift))])
+    ramp._falls, ramp._seen = 0, 320
+    ramp._on_rollout_start()
+    assert ramp.position == 320 and env.vector_env.drift == pytest.approx(0.5)
+    ramp._falls, ramp._seen = 1, 1800  # the falls at which it stands still
+    ramp._on_rollout_start()
+    assert ramp.position == pytest.approx(320)
+    ramp._falls, ramp._seen = 100, 64  # as fast back as forth, at most
+    state = ramp.state_dict()
+    ramp._on_rollout_start()
+    assert ramp.position == pytest.approx(256) and env.vector_env.drift == pytest.approx(0.4)
+    again = AttributeRamp("drift", 0.0, 1.0, samples=640, falls_per_minute=1.0)
+    again.load_state_dict(state)
+    again._move()
+    assert again.value == pytest.approx(0.4)
+    with pytest.raises(ValueError, match="positive number of falls.*-1"):
+        AttributeRamp("drift", 0.0, 1.0, samples=1, falls_per_minute=-1)

@@ -48,6 +48,18 @@ def test_a_checkpoint_restores_everything_exactly(tmp_path):
     assert state["samples"] == 640 and state["optimizer"]["state"]  # something was there to restore
 
 
+def test_a_ramp_by_falls_and_a_range_by_samples_go_on_where_they_were(tmp_path):
+    ramp = {"attribute": "drift", "first": 0.1, "last": 0.2, "samples": 1280, "falls_per_minute": 1e6}
+    discriminators = {"sb3_adaptnet.DiscriminatorRewardCallback": {"kl_range": [{0: 0.02, 1280: 0.01}, 0.03]}}
+    asked = settings(tmp_path)
+    conf(tmp_path, callback=[discriminators, {"sb3_adaptnet.AttributeRamp": ramp}])
+    folder = start(asked, tmp_path / "run", quiet=True)
+    resume(folder.path, 1280, quiet=True)
+    assert folder.experiment.callbacks[0][1]["kl_range"][0] == {0: 0.02, 1280: 0.01}
+    drift = [float(row["drift"]) for row in read_rows(folder.progress)]
+    assert len(drift) == 20 and drift == pytest.approx([0.1 + 0.005 * i for i in range(20)], abs=1e-4)
+
+
 def test_a_run_keeps_the_settings_it_began_with(tmp_path):
     folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
     conf(tmp_path, n_steps=4, batch_size=16)  # the file changes afterwards
