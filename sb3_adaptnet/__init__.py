@@ -2,7 +2,7 @@
 
 from sb3_adaptnet import openmp as openmp  # first: it must be read before torch is imported
 from sb3_adaptnet.algorithms import SVG
-from sb3_adaptnet.objectives import AttributeRamp, DiscriminatorRewardCallback
+from sb3_adaptnet.objectives import AttributeRamp, DiscriminatorRewardCallback, WeightAveraging
 from sb3_adaptnet.policies import (
     AdaptNetPolicy,
     FinetunePolicy,
@@ -28,6 +28,7 @@ __all__ = [
     "ProgressivePolicy",
     "RegularizedFinetunePolicy",
     "ScratchPolicy",
+    "WeightAveraging",
     "callbacks",
     "hyperparameters",
     "load_policy",

@@ -22,8 +22,8 @@ from sb3_adaptnet.algorithms.model_learning import fit_anew, fitted_to, record
 from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims, servo_aims
 from sb3_adaptnet.algorithms.svg_settings import ModelFits, ModelRefresh
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
-from sb3_adaptnet.algorithms.weight_average import WeightAverage
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
+from sb3_adaptnet.objectives.weight_average import WeightAverage
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.space_contract import default_base
 from sb3_adaptnet.vec_env import AdaptVecEnv

@@ -6,6 +6,7 @@ from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.objectives.imitation import ImitationObjective
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
 from sb3_adaptnet.objectives.schedule import Schedule
+from sb3_adaptnet.objectives.weight_average import WeightAveraging
 
 __all__ = [
     "TERMS",
@@ -15,6 +16,7 @@ __all__ = [
     "ObjectiveRolloutBuffer",
     "RewardTerm",
     "Schedule",
+    "WeightAveraging",
     "combine_advantages",
     "generalized_advantages",
 ]

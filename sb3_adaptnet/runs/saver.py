@@ -2,23 +2,36 @@
 
 import json
 import time
-from collections.abc import Sequence
-from typing import Any
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from typing import Any, Protocol, runtime_checkable
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
-from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
+from sb3_adaptnet.objectives.weight_average import WeightAveraging
 from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder
+
+
+@runtime_checkable
+class Stateful(Protocol):
+    """A callback that belongs to a run's checkpoint."""
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return all that changes in training, as tensors and plain values."""
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Restore what `state_dict` gave."""
 
 
 class RunSaver(BaseCallback):
     """Saves every few minutes between two rollouts, restores at the start, stops when asked.
 
-    It must stand after the discriminators' callback, whose networks it restores.
+    It must stand after the callbacks that it saves and restores.
     """
 
     def __init__(
@@ -27,7 +40,7 @@ class RunSaver(BaseCallback):
         discriminators: DiscriminatorRewardCallback | None,
         minutes: float = 3.0,
         resume: dict[str, Any] | None = None,
-        ramps: Sequence[AttributeRamp] = (),
+        others: Sequence[Stateful] = (),
     ) -> None:
         """Prepare.
 
@@ -36,11 +49,11 @@ class RunSaver(BaseCallback):
             discriminators: the callback whose state belongs to the run, if there is one.
             minutes: time between checkpoints.
             resume: state to go on from.
-            ramps: attributes of the worlds that change meanwhile.
+            others: further callbacks whose state belongs to the run; each must be initialised before.
         """
         super().__init__()
         self.folder, self.discriminators, self.minutes, self.resume = folder, discriminators, minutes, resume
-        self.ramps = ramps
+        self.others = others
         self.seconds = float(resume["seconds"]) if resume else 0.0
         self._stop = False
 
@@ -48,7 +61,7 @@ class RunSaver(BaseCallback):
         self._clock = time.monotonic()
         self._saved = float("-inf")  # a run that dies early can be resumed as well
         if self.resume is not None:
-            restore(self.model, self.discriminators, self.resume, self.ramps)
+            restore(self.model, self.discriminators, self.resume, self.others)
             self.resume, self._saved = None, self._clock
 
     def ask_to_stop(self) -> None:
@@ -66,7 +79,7 @@ class RunSaver(BaseCallback):
         """Write a checkpoint now."""
         now = time.monotonic()
         self.seconds, self._clock = self.seconds + now - self._clock, now
-        self.folder.save(snapshot(self.model, self.discriminators, self.seconds, self.ramps))
+        self.folder.save(snapshot(self.model, self.discriminators, self.seconds, self.others))
         self._saved = time.monotonic()
 
 
@@ -74,9 +87,19 @@ def snapshot(
     model: BaseAlgorithm,
     discriminators: DiscriminatorRewardCallback | None,
     seconds: float,
-    ramps: Sequence[AttributeRamp] = (),
+    others: Sequence[Stateful] = (),
 ) -> dict[str, Any]:
-    """Everything that training changes, as tensors and plain values."""
+    """Everything that training changes, as tensors and plain values; the policy holds averaged weights."""
+    with ExitStack() as averaged:
+        for callback in others:
+            if isinstance(callback, WeightAveraging):
+                averaged.enter_context(callback.average.acting())
+        return _snapshot(model, discriminators, seconds, others)
+
+
+def _snapshot(
+    model: BaseAlgorithm, discriminators: DiscriminatorRewardCallback | None, seconds: float, others: Sequence[Stateful]
+) -> dict[str, Any]:
     learner: Any = model
     state = discriminators.state_dict() if discriminators is not None else {"imitation": None, "rng": None}
     return {
@@ -87,7 +110,7 @@ def snapshot(
         "optimizer": model.policy.optimizer.state_dict(),
         "imitation": state["imitation"],
         "order": json.dumps(state["rng"]),
-        "ramps": [ramp.state_dict() for ramp in ramps],
+        "callbacks": {name: callback.state_dict() for name, callback in _named(others)},
         "world": model.world_state() if isinstance(model, ModelBasedAlgorithm) else None,
         "random": random_states(),
     }
@@ -97,7 +120,7 @@ def restore(
     model: BaseAlgorithm,
     discriminators: DiscriminatorRewardCallback | None,
     state: dict[str, Any],
-    ramps: Sequence[AttributeRamp] = (),
+    others: Sequence[Stateful] = (),
 ) -> None:
     """Put `snapshot`'s state back; the model's callbacks must be initialised."""
     learner: Any = model
@@ -107,8 +130,19 @@ def restore(
     learner._n_updates = int(state["updates"])
     if discriminators is not None:
         discriminators.load_state_dict({"imitation": state["imitation"], "rng": json.loads(state["order"])})
-    for ramp, at in zip(ramps, state.get("ramps", ()), strict=False):  # older checkpoints have none
-        ramp.load_state_dict(at)
+    kept = state.get("callbacks", {})
+    for name, callback in _named(others):
+        if name in kept:  # older checkpoints have none, and `config.yml` may have got more
+            callback.load_state_dict(kept[name])
     if isinstance(model, ModelBasedAlgorithm):
         model.set_world_state(state["world"])
     restore_random_states(state["random"])
+
+
+def _named(callbacks: Sequence[Stateful]) -> Iterator[tuple[str, Stateful]]:
+    """Callbacks by class and number among their like."""
+    of_class = Counter[str]()
+    for callback in callbacks:
+        name = type(callback).__name__
+        yield f"{name} {of_class[name]}", callback
+        of_class[name] += 1

@@ -19,7 +19,7 @@ from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.experiment import ALGORITHMS, Experiment, experiment
 from sb3_adaptnet.runs.progress import METRICS, Measuring, RunProgress
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
-from sb3_adaptnet.runs.saver import RunSaver
+from sb3_adaptnet.runs.saver import RunSaver, Stateful
 from sb3_adaptnet.runs.tracking_metrics import TRACKING_METRICS, TrackingMetrics
 from sb3_adaptnet.runs.worlds import make_worlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
@@ -117,7 +117,8 @@ def learn(
     """
     model, discriminators = learner.model, learner.discriminators
     ramps = [callback for callback in learner.others if isinstance(callback, AttributeRamp)]
-    saver = RunSaver(folder, discriminators, minutes, state, ramps)
+    kept = [callback for callback in learner.others if isinstance(callback, Stateful)]
+    saver = RunSaver(folder, discriminators, minutes, state, kept)
     measuring = [callback for callback in learner.others if isinstance(callback, Measuring)]
     metrics = discriminators or TrackingMetrics()
     names = METRICS if discriminators is not None else TRACKING_METRICS

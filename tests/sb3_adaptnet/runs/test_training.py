@@ -9,11 +9,12 @@ from pathlib import Path
 import pytest
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
+from torch.nn.utils import parameters_to_vector
 from toy_zoo import TOY, conf, run_command, settings
 
 from adapt_envs import env_id
 from adapt_envs.motion.library import load_clip
-from sb3_adaptnet import load_policy
+from sb3_adaptnet import WeightAveraging, load_policy
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.runs.experiment import experiment
@@ -58,6 +59,29 @@ def test_a_ramp_by_falls_and_a_range_by_samples_go_on_where_they_were(tmp_path):
     assert folder.experiment.callbacks[0][1]["kl_range"][0] == {0: 0.02, 1280: 0.01}
     drift = [float(row["drift"]) for row in read_rows(folder.progress)]
     assert len(drift) == 20 and drift == pytest.approx([0.1 + 0.005 * i for i in range(20)], abs=1e-4)
+
+
+def test_a_run_ships_the_average_and_goes_on_from_the_latest_weights(tmp_path):
+    asked = settings(tmp_path)
+    discriminators = {"sb3_adaptnet.DiscriminatorRewardCallback": {}}
+    conf(tmp_path, callback=[discriminators, {"sb3_adaptnet.WeightAveraging": {"decay": 0.9}}])
+    folder = start(asked, tmp_path / "run", quiet=True)
+    learner = build_learner(folder.settings, samples_done=640)
+    averaging = next(callback for callback in learner.others if isinstance(callback, WeightAveraging))
+    for callback in (learner.discriminators, averaging):
+        callback.init_callback(learner.model)
+    state = folder.load()
+    restore(learner.model, learner.discriminators, state, [averaging])
+    assert equal(dict(learner.model.policy.state_dict()), dict(state["policy"]))
+    actor = learner.model.policy.actor
+    average = parameters_to_vector(actor.parameters())
+    with averaging.average.learning():
+        assert not torch.equal(parameters_to_vector(actor.parameters()), average)
+        again = snapshot(learner.model, learner.discriminators, 0.0, [averaging])
+    assert equal(again["policy"], state["policy"]) and equal(again["callbacks"], state["callbacks"])
+    resume(folder.path, 1280, quiet=True)
+    before, after = (run["callbacks"]["WeightAveraging 0"]["updates"] for run in (state, folder.load()))
+    assert after == 2 * before > 0
 
 
 def test_a_run_keeps_the_settings_it_began_with(tmp_path):

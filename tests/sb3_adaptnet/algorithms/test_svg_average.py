@@ -1,41 +1,13 @@
-"""The average is the exponential one, it is what the policy holds, and learning goes on from the latest weights."""
+"""The average is what SVG's policy holds, and learning goes on from the latest weights."""
 
 import numpy as np
 import pytest
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
-from torch import nn
 
-from sb3_adaptnet import save_adaptation
+from sb3_adaptnet import WeightAveraging, save_adaptation
 from sb3_adaptnet.algorithms.svg import SVG
-from sb3_adaptnet.algorithms.weight_average import WeightAverage
 from sb3_adaptnet.runs.saver import restore, snapshot
-
-
-def test_it_is_the_exponential_moving_average():
-    weight = nn.Parameter(torch.tensor([7.0]))
-    average = WeightAverage([weight])
-    expected = None
-    for value in (1.0, 2.0, -3.0):
-        with average.learning():
-            weight.data.fill_(value)
-            average.update(0.9)
-        expected = value if expected is None else 0.9 * expected + 0.1 * value
-        assert weight.item() == pytest.approx(expected)
-        with average.learning():
-            assert weight.item() == value
-
-
-def test_an_error_while_learning_leaves_the_average():
-    weight = nn.Parameter(torch.tensor([0.0]))
-    average = WeightAverage([weight])
-    for value in (0.0, 1.0):
-        with average.learning():
-            weight.data.fill_(value)
-            average.update(0.5)
-    with pytest.raises(KeyError), average.learning():
-        raise KeyError
-    assert weight.item() == 0.5
 
 
 def flat(model):
@@ -92,3 +64,8 @@ def test_a_loaded_adaptation_begins_a_new_average(make_svg, tmp_path):
     assert torch.equal(average, latest)
     model.learn(48, reset_num_timesteps=False)
     assert not torch.equal(flat(model), average)
+
+
+def test_svg_is_not_averaged_twice(make_svg):
+    with pytest.raises(ValueError, match="SVG averages its weights by itself"):
+        make_svg().learn(48, callback=WeightAveraging())

@@ -1,10 +1,12 @@
 """A running average of the learned weights: it acts for others, the latest weights act and learn while learning."""
 
 import operator
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import Any
 
 import torch
+from stable_baselines3.common.callbacks import BaseCallback
 from torch import nn
 
 
@@ -78,3 +80,67 @@ class WeightAverage(nn.Module):
         for weights, average in self._pairs():
             average.lerp_(weights, rate)
         self.updates += 1
+
+
+class WeightAveraging(BaseCallback):
+    """Averages what the actor learns, an update of PPO being one rollout's: the policy is the average in the end.
+
+    Rollouts come from the latest weights and train them; after `learn`, and in checkpoints of runs, the policy holds
+    the average, which is steadier than each of them. With the same callback `learn` goes on from the latest weights.
+    """
+
+    average: WeightAverage
+
+    def __init__(self, decay: float = 0.98) -> None:
+        """Choose the memory.
+
+        Args:
+            decay: what a rollout leaves of the average, at least 0 and below 1: 0.98 averages over some 50 rollouts.
+
+        Raises:
+            ValueError: for another decay.
+        """
+        super().__init__()
+        if not 0 <= decay < 1:
+            raise ValueError(f"the decay of an average is at least 0 and below 1, which {decay} is not")
+        self.decay = decay
+        self._while_learning, self._seen = ExitStack(), 0
+
+    def _init_callback(self) -> None:
+        if hasattr(self.model, "weight_average"):
+            raise ValueError(f"{type(self.model).__name__} averages its weights by itself, by its average_decay")
+        policy: Any = self.model.policy
+        weights = [weight for weight in getattr(policy, "actor", policy).parameters() if weight.requires_grad]
+        if not hasattr(self, "average") or not self.average.watches(weights):
+            self.average = WeightAverage(weights)
+
+    def _on_training_start(self) -> None:
+        self._seen = self._updates()
+        self._while_learning.enter_context(self.average.learning())
+
+    def _on_step(self) -> bool:
+        return True
+
+    def _on_rollout_start(self) -> None:
+        self._take_in()
+
+    def _on_training_end(self) -> None:
+        self._take_in()
+        self._while_learning.close()
+
+    def _updates(self) -> int:
+        learner: Any = self.model
+        return int(learner._n_updates)
+
+    def _take_in(self) -> None:
+        if self._updates() > self._seen:
+            self._seen = self._updates()
+            self.average.update(self.decay)
+
+    def state_dict(self) -> dict[str, Any]:
+        """The weights that the policy does not hold, for resuming a run; to be taken while it holds the average."""
+        return dict(self.average.state_dict())
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Restore what `state_dict` gave, for a policy that holds the average."""
+        self.average.load_state_dict(state)
