@@ -17,11 +17,12 @@ CHOICES = {
     "no_adaptors": (AdaptNetPolicy, {"adaptors": None}),
     "no_injector": (AdaptNetPolicy, {"injector": False}),
     "lora": (AdaptNetPolicy, {"adaptors": "lora", "rank": 4}),
+    "critic_of_base": (AdaptNetPolicy, {"critic": {"encoder": "base", "hidden_sizes": [10]}}),
     "finetune": (FinetunePolicy, {}),
     "finetune_reg": (RegularizedFinetunePolicy, {"kappa": 0.1}),
     "progressive": (ProgressivePolicy, {}),
 }
-WITH_HEIGHTMAP = ("adaptnet", "finetune_reg", "progressive")  # the three ways in which a heightmap comes in
+WITH_HEIGHTMAP = ("adaptnet", "critic_of_base", "finetune_reg", "progressive")  # the ways in which one comes in
 CASES = [(name, False) for name in CHOICES] + [(name, True) for name in WITH_HEIGHTMAP]
 
 

@@ -8,6 +8,8 @@ OBSERVATION_VERSION = 1
 """Version of what an observation's 784 numbers mean; raised when the environments' layout changes."""
 ADAPTORS = ("full", "lora")
 """Kinds of internal adaptors (paper, sec. 4 and 8.3); None stands for no adaptors."""
+OWN, OF_BASE = "own", "base"
+"""Encoders of a critic: one that learns, or the frozen one of the base that is adapted."""
 
 
 @dataclass(frozen=True)
@@ -91,3 +93,23 @@ class AdaptationShape(JsonValues):
         if self.injection not in table:
             raise ValueError(f"injection must be one of {list(table)}, not {self.injection!r}")
         return table[self.injection]
+
+
+@dataclass(frozen=True)
+class CriticShape(JsonValues):
+    """What a critic is made of; the defaults are the paper's (fig. 6b).
+
+    Attributes:
+        encoder: "own", which learns, or "base": the frozen encoder of the base that is adapted, whose codes are known
+            from acting. With a learner's own encoder half of an update's products are the critic's.
+        hidden_sizes: widths of the fully connected layers; None for those of the policy network.
+    """
+
+    encoder: str = OWN
+    hidden_sizes: tuple[int, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if self.encoder not in (OWN, OF_BASE):
+            raise ValueError(f"the critic's encoder must be one of {[OWN, OF_BASE]}, not {self.encoder!r}")
+        if self.hidden_sizes is not None and (not self.hidden_sizes or min(self.hidden_sizes) < 1):
+            raise ValueError(f"the critic's hidden_sizes must be positive widths, not {list(self.hidden_sizes)}")

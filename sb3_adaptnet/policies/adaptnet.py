@@ -11,7 +11,7 @@ from torch import nn
 
 from sb3_adaptnet.modules.adaptation.adapted import Adaptation, AdaptedActor, Penalties
 from sb3_adaptnet.modules.adaptation.merge import merge
-from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
+from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture, CriticShape
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.layers.precision import autocast
 from sb3_adaptnet.modules.observation import Observation
@@ -68,8 +68,8 @@ class AdaptNetPolicy(PolicyFromBase):
                 `injector`, are then the file's, and so is whether a heightmap is read: with one that reads none, the
                 adaptation stays blind, which a warning says. The training must be gentle with it, as `adaptnet train
                 --start` is: PPO with an `actor_lr` of 1e-6 at first, SVG without `regression_updates`.
-            **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of
-                `ObjectivePolicy`.
+            **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, critic, optimizer_class,
+                optimizer_kwargs of `ObjectivePolicy`.
 
         Raises:
             ValueError: for an unknown choice, or if there would be nothing to train.
@@ -85,6 +85,9 @@ class AdaptNetPolicy(PolicyFromBase):
         self.alpha = alpha
         if start is not None:
             self._go_on_from(start)
+
+    def _critic_shape(self, wanted: CriticShape) -> CriticShape:
+        return wanted
 
     def adapt(self, base: Backbone) -> AdaptedActor:
         """The base with an adaptation that does nothing yet."""

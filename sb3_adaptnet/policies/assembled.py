@@ -1,6 +1,7 @@
 """A policy's networks and optimiser: put together, described in the state dict, and rebuilt from there."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import torch
@@ -9,7 +10,7 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.type_aliases import Schedule
 
 from sb3_adaptnet.modules.actor import Actor
-from sb3_adaptnet.modules.architecture import Architecture
+from sb3_adaptnet.modules.architecture import OF_BASE, OWN, Architecture, CriticShape
 from sb3_adaptnet.modules.critic import Critic
 from sb3_adaptnet.modules.layers.popart import PopArtHead
 from sb3_adaptnet.policies.optimizer_groups import ACTOR, CRITIC, make_groups
@@ -30,6 +31,7 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
     Attributes:
         joints: names of the actuated joints, in the order of the actions.
         reads_heightmap: whether observations come with a heightmap.
+        critic_shape: what the critic is made of.
         actor: observation -> (mean, log_std).
         critic: observation -> normalised values (B, K).
         objective_weights: weight of each objective in `predict_values`.
@@ -46,6 +48,7 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
         lr_schedule: Schedule,
         actor_lr: float | None = None,
         critic_lr: float | None = None,
+        critic: Mapping[str, Any] | None = None,
         optimizer_class: type[torch.optim.Optimizer] = ScaledAdam,
         optimizer_kwargs: dict[str, Any] | None = None,
     ) -> None:
@@ -59,6 +62,7 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
             optimizer_class=optimizer_class,
             optimizer_kwargs=_ADAM | (optimizer_kwargs or {}),
         )
+        self.critic_shape = self._critic_shape(_shape_of(critic or {}))
         self._step_sizes = {ACTOR: actor_lr, CRITIC: critic_lr}
         self._learning_rate = float(lr_schedule(1))
         self.objective_weights: tuple[float, ...] = (1.0,)
@@ -66,6 +70,12 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
 
     def _build(self, lr_schedule: Schedule) -> None:
         """Nothing: SB3 would build its own networks here, before this class knows its arguments."""
+
+    def _critic_shape(self, wanted: CriticShape) -> CriticShape:
+        """The critic's shape, refused where there is no frozen base whose code it could read."""
+        if wanted.encoder == OF_BASE:
+            raise ValueError(f"{type(self).__name__} has no frozen base: its critic's encoder must be {OWN!r}")
+        return wanted
 
     def describe_actor(self) -> dict[str, Any]:
         """JSON values from which `actor_from` builds an actor of the same shape."""
@@ -91,7 +101,7 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
         """Put in an actor, a fresh critic of its sizes and an optimiser for both."""
         self.actor = actor
         check_network_fits(self.architecture, self.observation_space)
-        self.critic = Critic(self.architecture, self.reads_heightmap, len(self.objective_weights))
+        self.critic = Critic(self.architecture, self.reads_heightmap, len(self.objective_weights), self.critic_shape)
         self._make_optimizer()
 
     def _make_optimizer(self) -> None:
@@ -127,6 +137,7 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
         """The actor's shape, and what of the policy is no tensor."""
         return {
             "actor": self.describe_actor(),
+            "critic": self.critic_shape.to_dict(),
             "runtime": self.runtime(),
             "objective_weights": self.objective_weights,
             "training": self.training,
@@ -135,9 +146,10 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
     def become(self, description: Mapping[str, Any]) -> None:
         """Rebuild the networks if the description is another one's, and take over the rest."""
         current = unpack(pack(self.describe_actor()))
-        device = self.device
+        device, old_shape = self.device, self.critic_shape
         self.objective_weights, old = tuple(description["objective_weights"]), self.num_objectives
-        if description["actor"] != current:
+        self.critic_shape = CriticShape.from_dict(description.get("critic", {}))
+        if description["actor"] != current or self.critic_shape != old_shape:
             self.assemble(self.actor_from(description["actor"]))
         elif self.num_objectives != old:
             self.critic.set_objectives(self.num_objectives)
@@ -153,3 +165,11 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
             "action_space": self.action_space,
             "lr_schedule": self._dummy_schedule,
         }
+
+
+def _shape_of(critic: Mapping[str, Any]) -> CriticShape:
+    known = [field.name for field in fields(CriticShape)]
+    unknown = [name for name in critic if name not in known]
+    if unknown:
+        raise ValueError(f"a critic's settings are {known}, not {unknown}")
+    return CriticShape.from_dict(critic)

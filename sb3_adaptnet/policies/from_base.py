@@ -42,7 +42,7 @@ class PolicyFromBase(ObjectivePolicy):
             action_space: carries `joint_names`, and `default_base` if no base is given.
             *args: PPO's learning rate, and use_sde, which is not supported.
             base: name of a shipped base, or a file; None takes the environment's default.
-            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
+            **settings: precision, actor_lr, critic_lr, critic, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
 
         Raises:
             CheckpointError: if the base's name is unknown or its file is damaged or foreign. A file that is missing
@@ -54,7 +54,8 @@ class PolicyFromBase(ObjectivePolicy):
         found = self._read_base()
         self.base_name, self.base_hash = found.name, found.hash
         self.assemble(self.adapt(found.backbone.with_joints(self.joints)))
-        self.critic.normalizer.start_at(found.backbone.normalizer, PRIOR_SAMPLES)
+        for normalizer in self.critic.normalizers():
+            normalizer.start_at(found.backbone.normalizer, PRIOR_SAMPLES)
 
     def _read_base(self) -> Base:
         file = resolve(self.base_argument)

@@ -1,6 +1,6 @@
 """How every policy of this package acts and is trained: K values, precision, normalisers."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import torch
@@ -41,6 +41,7 @@ class ObjectivePolicy(AssembledPolicy):
         precision: str = "fp32",
         actor_lr: float | None = None,
         critic_lr: float | None = None,
+        critic: Mapping[str, Any] | None = None,
         optimizer_class: type[torch.optim.Optimizer] = ScaledAdam,
         optimizer_kwargs: dict[str, Any] | None = None,
     ) -> None:
@@ -55,18 +56,19 @@ class ObjectivePolicy(AssembledPolicy):
                 (autocast, heads stay float32); "auto" (bf16 where the device has it).
             actor_lr: the actor's learning rate at the start; None takes PPO's.
             critic_lr: the critic's; None takes PPO's.
+            critic: fields of `CriticShape`: encoder and hidden_sizes; None for the paper's.
             optimizer_class: an optimiser that honours each group's "lr_scale".
             optimizer_kwargs: further arguments of the optimiser.
 
         Raises:
-            ValueError: for spaces without what the policy needs, an unknown precision, or use_sde.
+            ValueError: for spaces without what the policy needs, an unknown precision or critic, or use_sde.
         """
         if use_sde:
             raise ValueError("use_sde=True is not supported: the standard deviation is a head of the network")
         if precision not in (*PRECISIONS, "auto"):
             raise ValueError(f"precision must be one of {[*PRECISIONS, 'auto']}, not {precision!r}")
         super().__init__(
-            observation_space, action_space, lr_schedule, actor_lr, critic_lr, optimizer_class, optimizer_kwargs
+            observation_space, action_space, lr_schedule, actor_lr, critic_lr, critic, optimizer_class, optimizer_kwargs
         )
         self.requested_precision = precision
         self.precision = use_precision(precision)
@@ -85,12 +87,14 @@ class ObjectivePolicy(AssembledPolicy):
             return self.actor(observation)
 
     def _normalized_values(self, observation: Observation) -> torch.Tensor:
+        if self.critic.reads_base_code and observation.base_code is None:
+            observation = self._with_base_code(observation)
         with autocast(self.device, self.precision):
             return self.critic(observation)
 
     def _normalizers(self) -> Iterator[RunningNormalizer]:
         """Those that learn while samples are collected."""
-        yield from (*self.actor.normalizers(), self.critic.normalizer)
+        yield from (*self.actor.normalizers(), *self.critic.normalizers())
 
     @torch.no_grad()
     def _observe(self, observation: Observation) -> None:

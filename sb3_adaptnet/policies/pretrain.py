@@ -48,7 +48,7 @@ class PretrainPolicy(ObjectivePolicy):
             learn_std: whether the standard deviation learns, or stays `initial_std`. Where it learned, it shrank from
                 0.067 to 0.040 within 2.2 M samples of the walk, and the steps that the KL divergence allows with it.
             use_sde: not supported.
-            **settings: precision, actor_lr, critic_lr, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
+            **settings: precision, actor_lr, critic_lr, critic, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
         """
         super().__init__(observation_space, action_space, lr_schedule, use_sde, **settings)
         architecture = Architecture(

@@ -159,7 +159,14 @@ def _take_torch_gru(network: torch.nn.Module) -> None:
 
 def _forget_base_codes(policy: Any) -> None:
     """Let a policy around a frozen base encode every sample again in every epoch."""
-    policy._with_base_code = lambda observation: observation
+    act = policy.forward
+
+    def forgetful(*args: Any, **kwargs: Any) -> Any:
+        result = act(*args, **kwargs)
+        policy.base_code = None
+        return result
+
+    policy.forward = forgetful
 
 
 def _torch_gru(gru: torch.nn.GRU) -> Callable[[torch.Tensor], torch.Tensor]:

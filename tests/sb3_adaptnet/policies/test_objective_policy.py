@@ -74,6 +74,26 @@ def test_bfloat16_keeps_heads_and_log_probabilities_in_float32(tiny_base):
     assert all(torch.isfinite(p.grad).all() for p in policy.parameters() if p.grad is not None)
 
 
+def test_a_critic_of_the_base_code_values_the_same_with_and_without_the_code_at_hand(tiny_base):
+    policy = adapt(AdaptNetPolicy, ToyEnv(), tiny_base, critic={"encoder": "base", "hidden_sizes": [10]}).policy
+    obs = torch.from_numpy(observations())
+    with torch.no_grad():
+        actions, values, _ = policy(obs)
+        assert torch.allclose(policy.predict_objective_values(obs), values, atol=1e-6)
+        with_code = {"observation": obs, "base_code": policy.base_code}
+        kept, _, _ = policy.evaluate_actions(with_code, actions)
+        assert torch.allclose(policy.evaluate_actions(obs, actions)[0], kept, atol=1e-6)
+        assert torch.equal(kept, values)
+
+
+@pytest.mark.parametrize(
+    ("critic", "words"), [({"encoder": "base"}, "no frozen base"), ({"size": 3}, r"encoder.*hidden_sizes.*size")]
+)
+def test_critics_that_cannot_be_are_refused(critic, words):
+    with pytest.raises(ValueError, match=words):
+        PPO(PretrainPolicy, ToyEnv(), policy_kwargs={**SIZES, "critic": critic})
+
+
 def test_unknown_precision_lists_the_known():
     with pytest.raises(ValueError, match=r"fp32.*medium.*bf16.*fp7"):
         PPO(PretrainPolicy, ToyEnv(), policy_kwargs={"precision": "fp7"})
