@@ -1,7 +1,7 @@
 """Every environment as a row of one table: a new world is a new row."""
 
 from dataclasses import dataclass, fields, replace
-from numbers import Integral, Real
+from numbers import Real
 from typing import Any
 
 from adapt_envs.model.morphology import Morphology
@@ -40,7 +40,6 @@ class TaskSpec:
         obstacles: how blocks are laid out, or the layout's name in `OBSTACLES`; None for free ground.
         heightmap: whether the observation holds a heightmap of the ground around the character.
         push: when and how hard the character is pushed; None for never.
-        window_stride: control steps between the frames of a pose window (the paper's: 1).
     """
 
     motion: str
@@ -56,7 +55,6 @@ class TaskSpec:
     obstacles: str | ObstacleField | None = None
     heightmap: bool = False
     push: PushSchedule | None = None
-    window_stride: int = 1
 
 
 _STYLE_WORDS = {
@@ -172,9 +170,6 @@ def configured(task: str | TaskSpec, overrides: dict[str, Any]) -> TaskSpec:
     friction = overrides.get("friction", spec.friction)
     if not isinstance(friction, Real) or not 0 < float(friction) < float("inf"):
         raise ValueError(f"friction is {friction!r}, expected a positive number")
-    stride = overrides.get("window_stride", spec.window_stride)
-    if not isinstance(stride, Integral) or stride < 1:
-        raise ValueError(f"window_stride is {stride!r}, expected a positive number of control steps")
     return replace(spec, **overrides)
 
 

@@ -7,9 +7,7 @@ from adapt_envs.features.heading_frame import (
     WINDOW_FRAMES,
     heading_frame_features,
     observations,
-    past_frames,
     pose_windows,
-    seen_frames,
 )
 from adapt_envs.features.heightmap import heightmaps
 from adapt_envs.features.kinematics import LINK_STATE, Kinematics
@@ -26,10 +24,8 @@ __all__ = [
     "heading_frame_features",
     "heightmaps",
     "observations",
-    "past_frames",
     "pose_windows",
     "put_rows",
     "rotations",
     "rows_of",
-    "seen_frames",
 ]

@@ -22,16 +22,6 @@ OBSERVATION_SIZE = OBSERVED_FRAMES * len(LINKS) * LINK_STATE + GOAL_SIZE
 """784: the 780 numbers of the links and the goal."""
 
 
-def past_frames(stride: int) -> int:
-    """Frames before the latest that a pose window reaches back to, with `stride` control steps between its frames."""
-    return stride * (WINDOW_FRAMES - 1)
-
-
-def seen_frames(stride: int) -> NDArray[np.intp]:
-    """Frames (F,), counted back from the latest (-1), that windows of this stride and observations show, in order."""
-    return np.union1d(np.arange(-WINDOW_FRAMES, 0), -1 - stride * np.arange(WINDOW_FRAMES))
-
-
 def heading_frame_features(
     history: NDArray[np.float32], ground: NDArray[np.float32] | float = 0.0
 ) -> NDArray[np.float32]:
@@ -80,12 +70,6 @@ def observations(features: NDArray[np.float32], goal: NDArray[np.float32]) -> ND
     return out
 
 
-def pose_windows(features: NDArray[np.float32], stride: int = 1) -> NDArray[np.float32]:
-    """Pose windows (N, 5, 15, 7): position and quaternion of every link.
-
-    Args:
-        features: (N, F, 15, 13) of the frames that `seen_frames` names.
-        stride: control steps between a window's frames.
-    """
-    seen = seen_frames(stride)
-    return np.ascontiguousarray(features[:, np.isin(seen, -1 - stride * np.arange(WINDOW_FRAMES)), :, :POSE])
+def pose_windows(features: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Pose windows (N, 5, 15, 7) from features (N, 5, 15, 13): position and quaternion of every link."""
+    return np.ascontiguousarray(features[..., :POSE])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.assets import asset_path
-from adapt_envs.features.heading_frame import heading_frame_features, past_frames, pose_windows, seen_frames
+from adapt_envs.features.heading_frame import WINDOW_FRAMES, heading_frame_features, pose_windows
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import build_character, compile_model, plain_model
 from adapt_envs.model.humanoid import CONTROL_DT
@@ -28,6 +28,7 @@ STYLES = (
 """The twelve styles of the paper's Table 1, one or two gait cycles each."""
 CLIPS = {name: f"motions/{name.lower()}.npz" for name in (*BASES, *STYLES)}
 """Every clip that ships, by name: its file under `assets/`."""
+_PAST = WINDOW_FRAMES - 1
 
 
 def ships(name_or_file: str) -> bool:
@@ -77,8 +78,8 @@ class _Frames:
     qvel: NDArray[np.float64]
 
     @classmethod
-    def of(cls, clip: MotionClip, past: int) -> "_Frames":
-        frames = np.arange(-past if clip.cyclic else 0, clip.period)
+    def of(cls, clip: MotionClip) -> "_Frames":
+        frames = np.arange(-_PAST if clip.cyclic else 0, clip.period)
         if not clip.cyclic:
             return cls(clip.qpos, clip.qvel)
         return cls(clip.at(frames), velocities(clip.at(frames - 1), clip.at(frames + 1), 2 * CONTROL_DT))
@@ -91,27 +92,22 @@ class ReferenceMotion:
     the feet of other legs are put where the clip's were (paper, sec. 8.2: motions are not retargeted).
     """
 
-    def __init__(self, clips: Sequence[MotionClip], model: mujoco.MjModel, window_stride: int = 1) -> None:
-        """Prepare `clips` for `model`, with `window_stride` control steps between the frames of a pose window.
+    def __init__(self, clips: Sequence[MotionClip], model: mujoco.MjModel) -> None:
+        """Prepare `clips` for `model`.
 
         Raises:
-            MotionError: if a clip does not know one of the model's joints, or is shorter than a window.
+            MotionError: if a clip does not know one of the model's joints.
         """
         self.clips = tuple(clips)
         self.model = model
-        self.window_stride = window_stride
-        self._past = past_frames(window_stride)
         self.joint_names = tuple(model.actuator(i).name for i in range(model.nu))
         for clip in clips:
             missing = [joint for joint in self.joint_names if joint not in clip.joint_names]
             if missing:
                 raise MotionError(f"clip {clip.name!r} lacks the joints {', '.join(missing)}")
-            if not clip.cyclic and len(clip.qpos) <= self._past:
-                frames = f"{len(clip.qpos)} frames, a pose window reaches over {self._past + 1}"
-                raise MotionError(f"clip {clip.name!r} is too short: it has {frames}")
-        parts = [_Frames.of(clip, self._past) for clip in clips]
+        parts = [_Frames.of(clip) for clip in clips]
         starts = np.cumsum([0, *(len(part.qpos) for part in parts)])[:-1]
-        ranges = [np.arange(s + self._past, s + len(part.qpos)) for s, part in zip(starts, parts, strict=True)]
+        ranges = [np.arange(s + _PAST, s + len(part.qpos)) for s, part in zip(starts, parts, strict=True)]
         self._valid = np.concatenate(ranges)
         self._clip_qpos = np.concatenate([part.qpos for part in parts])
         self._clip_qvel = np.concatenate([part.qvel for part in parts])
@@ -137,8 +133,7 @@ class ReferenceMotion:
     @cached_property
     def _windows(self) -> NDArray[np.float32]:
         links = Kinematics(plain_model()).link_states(self._clip_qpos, self._clip_qvel)
-        history = links[self._valid[:, None] + seen_frames(self.window_stride) + 1]
-        return pose_windows(heading_frame_features(history), self.window_stride)
+        return pose_windows(heading_frame_features(links[self._valid[:, None] + np.arange(-_PAST, 1)]))
 
     @property
     def num_states(self) -> int:
@@ -154,12 +149,11 @@ class ReferenceMotion:
             chosen: (n,) numbers below `num_states`.
 
         Returns:
-            qpos (n, nq), qvel (n, nv), and the link histories (n, 1 + 4 * window_stride, 15, 13) that end in these
-            states, world frame.
+            qpos (n, nq), qvel (n, nv), and the link histories (n, 5, 15, 13) that end in these states, world frame.
         """
         rows = self._valid[chosen]
         qpos, qvel = self._qpos[rows].copy(), self._qvel[rows]
-        history = self._links[rows[:, None] + np.arange(-self._past, 1)]
+        history = self._links[rows[:, None] + np.arange(-_PAST, 1)]
         history[..., :2] -= qpos[:, None, None, :2].astype(np.float32)
         qpos[:, :2] = 0
         return qpos, qvel, history
@@ -183,20 +177,18 @@ class ReferenceMotion:
 
 
 def reference_motion(
-    name_or_file: str, morphology: Morphology | None = None, locked: tuple[str, ...] = (), window_stride: int = 1
+    name_or_file: str, morphology: Morphology | None = None, locked: tuple[str, ...] = ()
 ) -> ReferenceMotion:
     """The reference motion of a clip (see `load_clip`) for the character with another shape or without some joints.
 
     Many environments share one; it never changes.
     """
-    return _reference_motion(_version(name_or_file), morphology, locked, window_stride)
+    return _reference_motion(_version(name_or_file), morphology, locked)
 
 
 @lru_cache(maxsize=16)
-def _reference_motion(
-    version: _Version, morphology: Morphology | None, locked: tuple[str, ...], window_stride: int
-) -> ReferenceMotion:
-    return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)), window_stride)
+def _reference_motion(version: _Version, morphology: Morphology | None, locked: tuple[str, ...]) -> ReferenceMotion:
+    return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)))
 
 
 def _lowest_foot(model: mujoco.MjModel, qpos: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -75,7 +75,7 @@ class StateAccess:
 
     @property
     def link_histories(self) -> NDArray[np.float32]:
-        """(N, 1 + 4 * window_stride, 15, 13) states of the links up to now, world frame, oldest first."""
+        """(N, 5, 15, 13) states of the links up to now, world frame, oldest first."""
         return self.worlds.history.copy()
 
     @property

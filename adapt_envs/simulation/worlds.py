@@ -7,14 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.features import rotations
-from adapt_envs.features.heading_frame import (
-    POSE,
-    heading_frame_features,
-    observations,
-    past_frames,
-    pose_windows,
-    seen_frames,
-)
+from adapt_envs.features.heading_frame import POSE, WINDOW_FRAMES, heading_frame_features, observations, pose_windows
 from adapt_envs.features.heightmap import heightmaps
 from adapt_envs.features.kinematics import LINK_STATE
 from adapt_envs.features.observation_rows import Observations, put_rows, rows_of
@@ -64,7 +57,7 @@ class Worlds:
             entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed
         )
         self.model = self.compiled(self.ground)
-        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked), spec.window_stride)
+        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked))
         self.physics = PhysicsBatch(self.model, num_worlds, num_threads)
         self.goals = Goals(num_worlds, self.ground, speeds, spec.timer_range)
         self.pushes = None if spec.push is None else Pushes(spec.push, num_worlds)
@@ -72,10 +65,9 @@ class Worlds:
         self.steps = np.zeros(num_worlds, np.int64)
         self.starts = np.zeros(num_worlds, np.int64)
         self.clearance = np.ones(num_worlds)
-        frames, self._seen = 1 + past_frames(spec.window_stride), seen_frames(spec.window_stride)
-        self.history = np.zeros((num_worlds, frames, len(LINKS), LINK_STATE), np.float32)
+        self.history = np.zeros((num_worlds, WINDOW_FRAMES, len(LINKS), LINK_STATE), np.float32)
         self._all = np.arange(num_worlds)
-        self._features = np.zeros((num_worlds, len(self._seen), len(LINKS), LINK_STATE), np.float32)
+        self._features = np.zeros_like(self.history)
         self._last: Observations | None = None
 
     def compiled(self, ground: Ground) -> mujoco.MjModel:
@@ -95,7 +87,7 @@ class Worlds:
     @property
     def windows(self) -> NDArray[np.float32]:
         """(N, 5, 15, 7) pose windows of the last step's transitions, before any reset."""
-        return pose_windows(self._features, self.spec.window_stride)
+        return pose_windows(self._features)
 
     @property
     def footing(self) -> NDArray[np.float64]:
@@ -121,7 +113,7 @@ class Worlds:
         if self.pushes is not None:
             self.pushes.restart(ids, self.rng)
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
-        features = heading_frame_features(history[:, self._seen], self.ground.floor_at(self.root_xy[ids]))
+        features = heading_frame_features(history, self.ground.floor_at(self.root_xy[ids]))
         fresh = self._observed(features, ids)
         if self._last is None:
             self._features[ids] = features
@@ -171,7 +163,7 @@ class Worlds:
         code = ends(self.physics.fallen(), left > self.goals.distance + LOST_DISTANCE, diverged, timed_out)
         renewed = np.flatnonzero(self.goals.expire() & (code == RUNNING))
         self.goals.sample(renewed, after[renewed], self.root_heading[renewed], self.rng)
-        self._features = heading_frame_features(self.history[:, self._seen], self.ground.floor_at(after))
+        self._features = heading_frame_features(self.history, self.ground.floor_at(after))
         return self._remembered(self._observed(self._features, self._all), diverged), reward, code
 
     def _remember_links(self, diverged: NDArray[np.bool_]) -> None:
