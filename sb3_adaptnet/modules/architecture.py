@@ -101,7 +101,7 @@ class CriticShape(JsonValues):
 
     Attributes:
         encoder: "own", which learns, or "base": the frozen encoder of the base that is adapted, whose codes are known
-            from acting. With a learner's own encoder half of an update's products are the critic's.
+            from acting. An own encoder costs as much as the actor's: about half of an update's products.
         hidden_sizes: widths of the fully connected layers; None for those of the policy network.
     """
 

@@ -28,7 +28,8 @@ class Critic(nn.Module):
         self, architecture: Architecture, heightmap: bool, objectives: int, shape: CriticShape | None = None
     ) -> None:
         super().__init__()
-        shape, own = shape or CriticShape(), (shape or CriticShape()).encoder == OWN
+        shape = shape or CriticShape()
+        own = shape.encoder == OWN
         self.normalizer = RunningNormalizer(architecture.frame_size) if own else None
         self.encoder = StateEncoder(architecture.frame_size, architecture.gru_size) if own else None
         self.heightmap = HeightmapEncoder() if heightmap else None

@@ -72,9 +72,11 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
         """Nothing: SB3 would build its own networks here, before this class knows its arguments."""
 
     def _critic_shape(self, wanted: CriticShape) -> CriticShape:
-        """The critic's shape, refused where there is no frozen base whose code it could read."""
+        """The critic's shape, refused where no frozen base's code is remembered that it could read."""
         if wanted.encoder == OF_BASE:
-            raise ValueError(f"{type(self).__name__} has no frozen base: its critic's encoder must be {OWN!r}")
+            raise ValueError(
+                f"{type(self).__name__} remembers no frozen base's code: its critic's encoder must be {OWN!r}"
+            )
         return wanted
 
     def describe_actor(self) -> dict[str, Any]:

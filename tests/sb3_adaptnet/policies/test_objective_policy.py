@@ -87,7 +87,7 @@ def test_a_critic_of_the_base_code_values_the_same_with_and_without_the_code_at_
 
 
 @pytest.mark.parametrize(
-    ("critic", "words"), [({"encoder": "base"}, "no frozen base"), ({"size": 3}, r"encoder.*hidden_sizes.*size")]
+    ("critic", "words"), [({"encoder": "base"}, "no frozen base's code"), ({"size": 3}, r"encoder.*hidden_sizes.*size")]
 )
 def test_critics_that_cannot_be_are_refused(critic, words):
     with pytest.raises(ValueError, match=words):
