@@ -1,5 +1,6 @@
 """Turns stock PPO into the paper's multi-objective imitation learner (sec. 6, eqs. 9-12)."""
 
+import inspect
 import weakref
 from collections.abc import Callable, Mapping
 from typing import Any, cast
@@ -12,6 +13,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import obs_as_tensor
 
+from sb3_adaptnet.modules.discriminator import Discriminator
 from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
 from sb3_adaptnet.objectives.imitation import ImitationObjective
 from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, KlRange, check_kl_range, kl_range_at, next_step_size
@@ -69,7 +71,8 @@ class DiscriminatorRewardCallback(BaseCallback):
             verbose: as in Stable-Baselines3.
 
         Raises:
-            ValueError: if an objective has no reward, a weight is negative, or a range is the wrong way round.
+            ValueError: if an objective has no reward, a weight is negative, a range is the wrong way round, or the
+                discriminators have no such argument.
         """
         super().__init__(verbose)
         self.weights: dict[str, Schedule] = dict(objective_weights or DEFAULT_WEIGHTS)
@@ -79,6 +82,9 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.actor_lr_range = (float(actor_lr_range[0]), float(actor_lr_range[1]))
         self.discriminator_kwargs = dict(discriminator or {})
         _check(self.weights, self.reward_terms, self.kl_range, self.actor_lr_range)
+        _check_arguments("the discriminators'", self.discriminator_kwargs, ImitationObjective, ("device",))
+        network = self.discriminator_kwargs.get("network") or {}
+        _check_arguments("the discriminators' network's", network, Discriminator, ("links", "numbers"))
         self.objectives = tuple(self.weights)
         self.imitation: ImitationObjective | None = None
         self.metrics: dict[str, float] = {}
@@ -139,7 +145,7 @@ class DiscriminatorRewardCallback(BaseCallback):
             return
         _, _, links, numbers = reference_windows(self.training_env, 1, np.random.default_rng(0)).shape
         settings = {"precision": self._policy.precision, **self.discriminator_kwargs}
-        settings["network"] = {"links": links, "numbers": numbers, **settings.get("network", {})}
+        settings["network"] = {"links": links, "numbers": numbers, **(settings.get("network") or {})}
         self.imitation = ImitationObjective(device=self.model.device, **settings)
 
     def _on_training_end(self) -> None:
@@ -247,3 +253,11 @@ def _check(
         check_kl_range(kl_range)
     if not 0.0 < lr_range[0] <= lr_range[1]:
         raise ValueError(f"actor_lr_range must be two ascending positive numbers, not {lr_range}")
+
+
+def _check_arguments(whose: str, given: Mapping[str, Any], cls: type, own: tuple[str, ...]) -> None:
+    """Refuse what `cls` has no argument for, and what the callback says by itself."""
+    known = [name for name in inspect.signature(cls).parameters if name not in own]
+    for name in given:
+        if name not in known:
+            raise ValueError(f"{whose} arguments are {', '.join(known)}, not {name!r}")

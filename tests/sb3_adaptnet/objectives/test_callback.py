@@ -150,6 +150,10 @@ def test_learning_again_without_the_callback_says_what_is_missing():
 
 
 def test_refuses_what_it_cannot_use():
+    with pytest.raises(ValueError, match="discriminators' arguments are learning_rate.*share.*, not 'shares'"):
+        DiscriminatorRewardCallback(discriminator={"shares": 0.5})
+    with pytest.raises(ValueError, match="network's arguments are heads, gru, hidden, not 'gru_size'"):
+        DiscriminatorRewardCallback(discriminator={"network": {"gru_size": 128}})
     with pytest.raises(ValueError, match="'speed'.*imitation, goal"):
         DiscriminatorRewardCallback({"speed": 1.0})
     with pytest.raises(ValueError, match="'goal'.*-0.1"):
