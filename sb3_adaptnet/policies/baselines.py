@@ -1,6 +1,6 @@
 """The paper's baselines (sec. 8.1) behind the same interface; "Scratch" is `PretrainPolicy`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,10 +9,10 @@ from torch import nn
 
 from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.adaptation.anchored import AnchoredActor
-from sb3_adaptnet.modules.adaptation.injector import PRIOR_SAMPLES
 from sb3_adaptnet.modules.adaptation.progressive import ProgressiveActor
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import Backbone
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.policies.pretrain import PretrainPolicy
 from sb3_adaptnet.weights.checkpoint import ADAPTATION, BASE, check_base, load_checked, read_adaptation
@@ -23,6 +23,7 @@ ScratchPolicy = PretrainPolicy
 class FinetunePolicy(PolicyFromBase):
     """FT: trains all weights of the base but its log-std head, so that all methods explore alike.
 
+    Inputs are normalised as the base's are.
     Where the observations bring a heightmap that the base cannot read, an encoder is added whose output starts at zero.
     """
 
@@ -31,6 +32,10 @@ class FinetunePolicy(PolicyFromBase):
     def adapt(self, base: Backbone) -> Actor:
         """A copy of the base that learns."""
         return finetuned_copy(base, self.reads_heightmap)
+
+    def _normalizers(self) -> Iterator[RunningNormalizer]:
+        """The critic's alone: by new statistics the base would act otherwise before it has learned anything."""
+        yield from self.critic.normalizers()
 
     def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """A network of the described sizes."""
@@ -116,7 +121,6 @@ def finetuned_copy(base: Backbone, heightmap: bool) -> Backbone:
     network.load_state_dict(base.state_dict(), strict=False)
     if network.heightmap_projection is not None and not base.architecture.heightmap:
         nn.init.zeros_(network.heightmap_projection.weight)
-    network.normalizer.start_at(base.normalizer, PRIOR_SAMPLES)
     return _learning(network)
 
 

@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 import torch
-from policy_cases import CASES, CHOICES, act, adapt
+from policy_cases import CASES, CHOICES, act, adapt, observations
 from toy_env import ToyEnv
 
 from sb3_adaptnet import (
@@ -40,6 +40,16 @@ def test_adapting_starts_exactly_at_the_base(name, tiny_base):
     base = load_policy(tiny_base, ToyEnv())
     model = adapt(policy_class, ToyEnv(), tiny_base, **choices)
     assert np.array_equal(act(model.policy), act(base))
+
+
+@pytest.mark.parametrize("name", ["adaptnet", "start", "finetune", "finetune_reg"])
+def test_statistics_alone_change_no_action(name, tiny_base, two_styles):
+    """A base's inputs may differ from today's; it must not act otherwise before it has learned anything."""
+    policy_class, choices = (AdaptNetPolicy, {"start": two_styles[0]}) if name == "start" else CHOICES[name]
+    policy = adapt(policy_class, ToyEnv(), tiny_base, **choices).policy
+    before = act(policy)
+    policy.learn_statistics(torch.from_numpy(100 + 30 * observations(20_000)))
+    assert np.array_equal(act(policy), before)
 
 
 def test_adapting_with_a_heightmap_starts_exactly_at_the_base(tiny_base):
