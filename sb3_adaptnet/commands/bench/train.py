@@ -1,7 +1,7 @@
 """`adaptnet bench train`: samples per second of whole training iterations, and where the time goes.
 
-An iteration is what PPO does per rollout: act and simulate 16 steps of 512 worlds, train the discriminators for one
-pass, score the windows, compute advantages, update actor and critic for 4 epochs. The plain version is the same
+An iteration is what PPO does per rollout: act and simulate, train the discriminators for one pass, score the windows,
+compute advantages, update actor and critic for some epochs, all by the zoo's entry. The plain version is the same
 networks in float32 with torch's own GRU, an unfused optimiser and, adapting, no memory of what the frozen encoder made
 of a sample; both take turns in one process.
 """
@@ -34,7 +34,7 @@ def add_parser(subparsers: Any) -> None:
         "train", help="samples per second of whole training iterations, against plain float32"
     )
     parser.add_argument("--id", default="AdaptNet/Humanoid-Walk-v0", help="environment (default: %(default)s)")
-    parser.add_argument("--worlds", type=int, default=512)
+    parser.add_argument("--worlds", type=int, help="number of worlds; default: the entry's")
     parser.add_argument("--threads", type=int, help="threads of physics and networks; default: all cores")
     parser.add_argument("--iterations", type=int, default=3, help="measured iterations of each (default: %(default)s)")
     parser.add_argument("--conf-file", help="YAML file with the entry to measure")
@@ -57,13 +57,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def measure(
-    env_id: str, worlds: int = 512, threads: int | None = None, iterations: int = 3, conf_file: str | None = None
+    env_id: str,
+    worlds: int | None = None,
+    threads: int | None = None,
+    iterations: int = 3,
+    conf_file: str | None = None,
 ) -> dict[str, Any]:
     """Time whole iterations of the fast and the plain version in turn.
 
     Args:
         env_id: environment; its zoo entry says what is trained.
-        worlds: number of worlds.
+        worlds: number of worlds; None for the entry's.
         threads: threads of physics and networks; None for all cores.
         iterations: measured iterations of each version, after one to warm up.
         conf_file: YAML file; None for the shipped one.
@@ -75,6 +79,7 @@ def measure(
     if threads is not None:
         torch.set_num_threads(threads)
     entry = experiment(env_id, conf_file=conf_file)
+    worlds = entry.n_envs if worlds is None else worlds
     fast, plain = (_Bench(entry, worlds, threads, plain) for plain in (False, True))
     for bench in (fast, plain):
         bench.iterate()
