@@ -28,7 +28,7 @@ def test_every_environment_has_an_entry(file, name):
 
 def test_an_id_may_name_its_module():
     plain, named = (experiment(name) for name in (env_id("PushWalk"), f"adapt_envs:{env_id('PushWalk')}"))
-    assert named.callbacks == plain.callbacks and len(named.callbacks) == 3
+    assert named.callbacks == plain.callbacks and len(named.callbacks) == 4
     assert experiment(f"adapt_envs:{env_id('Walk')}").policy is PretrainPolicy
 
 
@@ -112,10 +112,10 @@ def test_bad_files_are_refused(tmp_path):
 def test_callbacks_are_fresh_each_time():
     first, again = callbacks(env_id("PushWalk")), callbacks(env_id("PushWalk"))
     assert [type(callback).__name__ for callback in first] == [
-        "DiscriminatorRewardCallback", "AttributeRamp", "StyleCallback",
+        "DiscriminatorRewardCallback", "AttributeRamp", "WeightAveraging", "StyleCallback",
     ]  # fmt: skip
     assert all(a is not b for a, b in zip(first, again, strict=True))
-    assert first[0].weights == {"imitation": 0.25, "goal": 0.75}
+    assert first[0].weights == {"imitation": 0.2, "goal": 0.8}
 
 
 def test_a_class_that_moved_is_named_where_it_is(tmp_path):
