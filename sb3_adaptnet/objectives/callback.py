@@ -1,6 +1,5 @@
 """Turns stock PPO into the paper's multi-objective imitation learner (sec. 6, eqs. 9-12)."""
 
-import inspect
 import weakref
 from collections.abc import Callable, Mapping
 from typing import Any, cast
@@ -13,9 +12,8 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import obs_as_tensor
 
-from sb3_adaptnet.modules.discriminator import Discriminator
 from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
-from sb3_adaptnet.objectives.imitation import ImitationObjective
+from sb3_adaptnet.objectives.imitation import ImitationObjective, check_imitation
 from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, KlRange, check_kl_range, kl_range_at, next_step_size
 from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
@@ -71,8 +69,7 @@ class DiscriminatorRewardCallback(BaseCallback):
             verbose: as in Stable-Baselines3.
 
         Raises:
-            ValueError: if an objective has no reward, a weight is negative, a range is the wrong way round, or the
-                discriminators have no such argument.
+            ValueError: for an objective without reward, a negative weight, a wrong range or an unknown argument.
         """
         super().__init__(verbose)
         self.weights: dict[str, Schedule] = dict(objective_weights or DEFAULT_WEIGHTS)
@@ -82,9 +79,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.actor_lr_range = (float(actor_lr_range[0]), float(actor_lr_range[1]))
         self.discriminator_kwargs = dict(discriminator or {})
         _check(self.weights, self.reward_terms, self.kl_range, self.actor_lr_range)
-        _check_arguments("the discriminators'", self.discriminator_kwargs, ImitationObjective, ("device",))
-        network = self.discriminator_kwargs.get("network") or {}
-        _check_arguments("the discriminators' network's", network, Discriminator, ("links", "numbers"))
+        check_imitation(self.discriminator_kwargs)
         self.objectives = tuple(self.weights)
         self.imitation: ImitationObjective | None = None
         self.metrics: dict[str, float] = {}
@@ -253,11 +248,3 @@ def _check(
         check_kl_range(kl_range)
     if not 0.0 < lr_range[0] <= lr_range[1]:
         raise ValueError(f"actor_lr_range must be two ascending positive numbers, not {lr_range}")
-
-
-def _check_arguments(whose: str, given: Mapping[str, Any], cls: type, own: tuple[str, ...]) -> None:
-    """Refuse what `cls` has no argument for, and what the callback says by itself."""
-    known = [name for name in inspect.signature(cls).parameters if name not in own]
-    for name in given:
-        if name not in known:
-            raise ValueError(f"{whose} arguments are {', '.join(known)}, not {name!r}")

@@ -1,5 +1,6 @@
 """The imitation objective: discriminators, their optimiser, one pass of training per rollout."""
 
+import inspect
 from collections.abc import Mapping
 from typing import Any
 
@@ -143,3 +144,20 @@ class ImitationObjective:
 def finite_rows(windows: NDArray[np.floating]) -> NDArray[np.bool_]:
     """Which rows of (M, ...) hold finite numbers alone: (M,) bool."""
     return np.isfinite(windows.reshape(len(windows), -1)).all(axis=1)
+
+
+def check_imitation(arguments: Mapping[str, Any]) -> None:
+    """Refuse what neither `ImitationObjective` nor its network has an argument for.
+
+    Raises:
+        ValueError: naming the argument and the valid ones; the callback says the device and the frames' size itself.
+    """
+    _check("the discriminators'", arguments, ImitationObjective, ("device",))
+    _check("the discriminators' network's", arguments.get("network") or {}, Discriminator, ("links", "numbers"))
+
+
+def _check(whose: str, given: Mapping[str, Any], cls: type, own: tuple[str, ...]) -> None:
+    known = [name for name in inspect.signature(cls).parameters if name not in own]
+    for name in given:
+        if name not in known:
+            raise ValueError(f"{whose} arguments are {', '.join(known)}, not {name!r}")
