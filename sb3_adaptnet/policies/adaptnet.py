@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ from sb3_adaptnet.modules.adaptation.adapted import Adaptation, AdaptedActor, Pe
 from sb3_adaptnet.modules.adaptation.merge import merge
 from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture, CriticShape
 from sb3_adaptnet.modules.backbone import Backbone
-from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.layers.precision import autocast
 from sb3_adaptnet.modules.observation import Observation
 from sb3_adaptnet.policies.from_base import PolicyFromBase
@@ -84,7 +83,7 @@ class AdaptNetPolicy(PolicyFromBase):
         self.merged = False
         super().__init__(*args, **settings)
         self.alpha = alpha
-        self._goes_on = start is not None
+        self.keeps_statistics = start is not None
         if start is not None:
             self._go_on_from(start)
 
@@ -97,10 +96,6 @@ class AdaptNetPolicy(PolicyFromBase):
         adaptation = Adaptation(base.architecture, shape)
         adaptation.start_from(base)
         return AdaptedActor(base, {TRAINED: adaptation}, self._penalties)
-
-    def _normalizers(self) -> Iterator[RunningNormalizer]:
-        """With a start the critic's alone: by new statistics it would act otherwise before it has learned anything."""
-        yield from self.critic.normalizers() if self._goes_on else super()._normalizers()
 
     def _go_on_from(self, start: str | Path) -> None:
         if resolve(start).is_file():

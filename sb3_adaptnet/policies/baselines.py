@@ -1,6 +1,6 @@
 """The paper's baselines (sec. 8.1) behind the same interface; "Scratch" is `PretrainPolicy`."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,6 @@ from sb3_adaptnet.modules.adaptation.anchored import AnchoredActor
 from sb3_adaptnet.modules.adaptation.progressive import ProgressiveActor
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import Backbone
-from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.policies.pretrain import PretrainPolicy
 from sb3_adaptnet.weights.checkpoint import ADAPTATION, BASE, check_base, load_checked, read_adaptation
@@ -28,14 +27,11 @@ class FinetunePolicy(PolicyFromBase):
     """
 
     actor: Backbone
+    keeps_statistics = True
 
     def adapt(self, base: Backbone) -> Actor:
         """A copy of the base that learns."""
         return finetuned_copy(base, self.reads_heightmap)
-
-    def _normalizers(self) -> Iterator[RunningNormalizer]:
-        """The critic's alone: by new statistics the base would act otherwise before it has learned anything."""
-        yield from self.critic.normalizers()
 
     def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """A network of the described sizes."""
@@ -50,6 +46,7 @@ class RegularizedFinetunePolicy(PolicyFromBase):
     """FT + Reg: finetuning with the penalty kappa * ||theta - theta_base||_2."""
 
     actor: AnchoredActor
+    keeps_statistics = True
 
     def __init__(self, *args: Any, kappa: float = 0.01, **settings: Any) -> None:
         """As `PolicyFromBase`, with the penalty's coefficient `kappa`."""

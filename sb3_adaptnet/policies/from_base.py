@@ -1,7 +1,7 @@
 """What AdaptNet and the baselines share: they start from a base."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.adaptation.injector import PRIOR_SAMPLES
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.backbone import Backbone
+from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.observation import Observation
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.space_contract import default_base
@@ -25,7 +26,11 @@ class PolicyFromBase(ObjectivePolicy):
     Attributes:
         base_name: name of the base.
         base_hash: hash of its weights, all joints included.
+        keeps_statistics: whether the actor's inputs stay normalised as they were. By new statistics what is not zero at
+            first, as an adaptation is, would act otherwise before it has learned anything.
     """
+
+    keeps_statistics = False
 
     def __init__(
         self,
@@ -56,6 +61,9 @@ class PolicyFromBase(ObjectivePolicy):
         self.assemble(self.adapt(found.backbone.with_joints(self.joints)))
         for normalizer in self.critic.normalizers():
             normalizer.start_at(found.backbone.normalizer, PRIOR_SAMPLES)
+
+    def _normalizers(self) -> Iterator[RunningNormalizer]:
+        yield from self.critic.normalizers() if self.keeps_statistics else super()._normalizers()
 
     def _read_base(self) -> Base:
         file = resolve(self.base_argument)

@@ -37,5 +37,5 @@ class AnchoredActor(Actor):
         return self.network(observation)
 
     def normalizers(self) -> Sequence[RunningNormalizer]:
-        """None: new statistics would move the network away from its base without having learned anything."""
-        return ()
+        """The normaliser of the network that learns."""
+        return self.network.normalizers()
