@@ -31,7 +31,7 @@ def main() -> None:
     parser.add_argument("motion", help="a BVH, JSON or clip file, or the name of a motion that ships")
     parser.add_argument("--base", default="walk", help="policy to adapt, a name or a file")
     parser.add_argument("--samples", type=int, default=2_000_000, help="control steps over all worlds")
-    parser.add_argument("--num-envs", type=int, default=512, help="worlds")
+    parser.add_argument("--num-envs", type=int, default=256, help="worlds")
     parser.add_argument("--output", type=Path, default=Path("my_style.safetensors"), help="weight file to write")
     options = parser.parse_args()
 

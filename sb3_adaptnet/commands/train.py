@@ -23,7 +23,7 @@ def add_parser(subparsers: Any) -> None:
         "train", help="train a base, or adapt one, as the zoo's YAML entry of the environment says"
     )
     parser.add_argument("env_id", metavar="ID", nargs="?", help="environment, as in AdaptNet/Humanoid-Stoop-v0")
-    words = "YAML file with an entry for ID, or a shipped one's name: ppo (default), paper, continue or finetune"
+    words = "YAML file with an entry for ID, or a shipped one's name (default: the algorithm's)"
     parser.add_argument("--conf-file", help=words)
     add_algorithm_options(parser, DEFAULT)
     parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")

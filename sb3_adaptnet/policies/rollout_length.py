@@ -19,7 +19,7 @@ class RolloutLength:
         if before <= LONGEST_ROLLOUT < self.samples:
             warnings.warn(
                 f"more than {LONGEST_ROLLOUT:,} samples without an update: PPO's n_steps x number of environments is "
-                f"large; hyperparameters(id) has values that suit many environments, such as n_steps=16 for 512",
+                f"large; hyperparameters(id) has values that suit many environments, such as n_steps=8 for 256",
                 stacklevel=3,
             )
 

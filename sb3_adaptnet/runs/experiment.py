@@ -25,7 +25,7 @@ FALLBACK = "default"
 RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")
 """Keys of an entry that belong to the run, not to the algorithm."""
 FIRST_STEP = 1e-6
-"""PPO's first actor rate when it goes on from an adaptation: the usual 1e-4 gave the first update a KL of 1.9."""
+"""PPO's first actor rate when it goes on from an adaptation: 1e-4, as `large_rollouts.yml` has, gave the first update a KL of 1.9."""
 NOT_FROM_YAML = ("self", "env", "policy", "_init_setup_model")
 
 
@@ -80,7 +80,7 @@ def hyperparameters(
 
 
 def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
-    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: discriminators, then ramps and `StyleCallback`.
+    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: discriminators, then ramps, averages and `StyleCallback`.
 
     Args:
         env_id: such as "AdaptNet/Humanoid-Stoop-v0".
