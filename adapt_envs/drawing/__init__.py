@@ -1,7 +1,7 @@
 """Pictures: scenes, running worlds, films, and what is composed of them.
 
-Contact sheets are `motion_sheet`'s and histograms `histogram`'s. They are not imported here: they need Matplotlib,
-whose import takes as long as that of all of `adapt_envs`.
+Contact sheets are `motion_sheet`'s. They are not imported here: they need Matplotlib, whose import takes as long as
+that of all of `adapt_envs`.
 """
 
 from adapt_envs.drawing import headless as headless  # first: it chooses OpenGL's backend before MuJoCo is imported
