@@ -127,7 +127,7 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
         Args:
             task: name of a row of `suite.SUITE`, or your own `TaskSpec`.
             num_envs: number of worlds.
-            max_episode_steps: time limit in control steps (1/30 s), or None.
+            max_episode_steps: time limit in control steps (1/30 s); None, 0 or less is none, as for single worlds.
             num_threads: threads of the physics; None for one per core.
             stagger: shorten the episodes that a `reset` of all worlds begins, each by another number of steps, so that
                 time limits do not come all at once in training.
@@ -141,7 +141,8 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.diverged_worlds = 0
-        self._max_steps, self._stagger = max_episode_steps, stagger
+        limited = max_episode_steps is not None and max_episode_steps > 0
+        self._max_steps, self._stagger = max_episode_steps if limited else None, stagger
         self._all = np.arange(num_envs)
         self._renderer: SceneRenderer | None = None
 

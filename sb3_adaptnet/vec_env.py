@@ -7,7 +7,7 @@ from typing import Any, Protocol, cast
 import gymnasium as gym
 import numpy as np
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.vector import VectorEnv
+from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
@@ -62,7 +62,8 @@ class AdaptVecEnv(VecEnv):
             **env_kwargs: further arguments of the environment.
 
         Raises:
-            ValueError: if the environment has no such argument, or is not made for batches as this suite's are.
+            ValueError: if the environment has no such argument, or is not made for batches as this suite's are, whose
+                worlds restart within the step that ends an episode (`AutoresetMode.SAME_STEP`).
             gymnasium.error.Error: if there is no such id, or it has no vector entry point.
         """
         if isinstance(env, VectorEnv):
@@ -76,6 +77,9 @@ class AdaptVecEnv(VecEnv):
                 raise ValueError(f"{env_id} cannot be made with {', '.join(kwargs)}: {error}") from error
         self._started = time.time()
         made = self.vector_env
+        mode = made.metadata.get("autoreset_mode")
+        if mode != AutoresetMode.SAME_STEP:
+            raise ValueError(f"{made} has the autoreset mode {mode}, where {AutoresetMode.SAME_STEP} is needed")
         super().__init__(made.num_envs, made.single_observation_space, made.single_action_space)
         self._seeds[0] = seed
         self._actions = np.zeros(self.vector_env.action_space.shape or (), np.float32)

@@ -110,6 +110,13 @@ def test_windows_of_world_and_reference_have_one_layout(name):
         assert (windows[..., 3] >= 0).all()
 
 
+@pytest.mark.parametrize("steps", [None, 0, -1])
+def test_no_time_limit(steps):
+    env = make_vector(env_id("Walk"), 2, max_episode_steps=steps, stagger=True)
+    env.reset(seed=0)
+    assert not env.step(np.tile(env.single_action_space.mean_pose, (2, 1)))[3].any()
+
+
 def test_every_episode_end_is_named_and_reachable():
     seen = set()
     env = make_vector(env_id("Walk"), 64, max_episode_steps=40)

@@ -132,3 +132,8 @@ def test_same_seed_same_rollout():
         rollouts.append(np.stack(rows))
         env.close()
     np.testing.assert_array_equal(*rollouts)
+
+
+def test_worlds_that_restart_one_step_later_are_refused():
+    with pytest.raises(ValueError, match="NEXT_STEP, where .*SAME_STEP is needed"):
+        AdaptVecEnv(gym.make_vec("CartPole-v1", 4))
