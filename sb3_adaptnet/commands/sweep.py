@@ -1,6 +1,8 @@
 """`adaptnet sweep`: many runs from one file, and what has become of them."""
 
 import argparse
+import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +28,8 @@ from sb3_adaptnet.weights.shipped import pretrained_names
 
 NOT_ALL_DONE = 1
 """Exit code of a sweep with runs that failed."""
+TRY_AGAIN = 75
+"""Exit code of a run that the same command may well do later (EX_TEMPFAIL of sysexits.h)."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -91,12 +95,12 @@ def run_all(sweep: Sweep, options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print(f"stopped; go on with the same command, or look with: adaptnet sweep status {folder}")
         return INTERRUPTED
-    return report(folder)
+    return report(folder, {place.path.name for place in places})
 
 
-def report(folder: Path) -> int:
-    """Say how many runs are done; the exit code is 1 if one is not."""
-    rows = read_status(folder)
+def report(folder: Path, names: Collection[str]) -> int:
+    """Say how many of the runs of these names are done; the exit code is 1 if one is not."""
+    rows = [row for row in read_status(folder) if row.run in names]
     print(f"{summary(rows)}; tables: adaptnet sweep status {folder} --markdown")
     for row in rows:
         if row.problem:
@@ -105,10 +109,14 @@ def report(folder: Path) -> int:
 
 
 def run_one(place: UnitFolder, attended: bool) -> int:
-    """Train what is left of one run, then export and measure it; the exit code is 130 if it was stopped.
+    """Train what is left of one run, then export and measure it.
+
+    The exit code is 130 if it was stopped, and `TRY_AGAIN` if another process is at work in it or the system refused
+    something, as a full disk does.
 
     Raises:
-        ValueError: if it is no run of a sweep, or another process is at work in it.
+        ValueError: if it is no run of a sweep.
+        FileNotFoundError: if a file that it needs is missing.
     """
     if attended:
         end_with_attendant()
@@ -119,7 +127,13 @@ def run_one(place: UnitFolder, attended: bool) -> int:
                 return INTERRUPTED
             finish(place, unit)
     except Timeout:
-        raise ValueError(f"another process is at work in {place.path}") from None
+        print(f"another process is at work in {place.path}", file=sys.stderr)
+        return TRY_AGAIN
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        print(error, file=sys.stderr)
+        return TRY_AGAIN
     return 0
 
 

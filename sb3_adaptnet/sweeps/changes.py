@@ -15,7 +15,7 @@ def merged(entry: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
         changes: key -> new value, or what changes below the key.
 
     Raises:
-        ValueError: for a callback that the entry does not have.
+        ValueError: for a callback that the entry does not have, or has twice.
     """
     return {**entry, **{key: _changed(key, entry.get(key), new) for key, new in changes.items()}}
 
@@ -35,10 +35,15 @@ def _has_words(value: Any) -> bool:
 
 
 def _changed_callbacks(key: str, entries: list[Any], changes: Mapping[str, Any]) -> list[Any]:
-    by_name = {next(iter(entry)) if isinstance(entry, Mapping) else entry: entry for entry in entries}
-    for name, new in changes.items():
-        if name not in by_name:
-            raise ValueError(f"{key}: there is no {name!r} to change; there are: {', '.join(map(str, by_name))}")
-        old = by_name[name]
-        by_name[name] = {name: _changed(name, old[name] if isinstance(old, Mapping) else {}, new)}
-    return list(by_name.values())
+    names = [next(iter(entry)) if isinstance(entry, Mapping) else entry for entry in entries]
+    for name in changes:
+        if name not in names:
+            raise ValueError(f"{key}: there is no {name!r} to change; there are: {', '.join(map(str, names))}")
+        if names.count(name) > 1:
+            raise ValueError(f"{key}: {name!r} stands there {names.count(name)} times; give the whole list")
+    return [
+        {name: _changed(name, entry[name] if isinstance(entry, Mapping) else {}, changes[name])}
+        if name in changes
+        else entry
+        for name, entry in zip(names, entries, strict=True)
+    ]

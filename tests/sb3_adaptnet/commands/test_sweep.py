@@ -6,8 +6,10 @@ import pytest
 import yaml
 from evaluation_cases import save_tiny_base
 
+from sb3_adaptnet.commands import sweep
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.sweeps import UnitFolder, prepare, read_sweep, units_of
+from sb3_adaptnet.sweeps.unit import lock_of
 
 
 @pytest.mark.parametrize(
@@ -47,3 +49,26 @@ def test_a_run_is_trained_exported_and_measured(tmp_path, capsys):
     assert main(["sweep", "status", str(tmp_path / "runs"), "--csv"]) == 0
     assert f",{result['figures'][0]['goal_reward']}," in capsys.readouterr().out
     assert main(words) == 0 and UnitFolder(place.path).read_result() == result
+
+
+def test_what_may_go_well_later_is_no_bad_input(tmp_path, monkeypatch, capsys):
+    task = {"id": "AdaptNet/Humanoid-Stoop-v0", "base": str(save_tiny_base(tmp_path)), "n_envs": 8, "samples": 128}
+    file = tmp_path / "mine.yml"
+    file.write_text(yaml.safe_dump({"tasks": [task]}))
+    (place,) = prepare(units_of(read_sweep(file), 1), tmp_path / "runs")
+    monkeypatch.setattr(sweep, "LOCK_SECONDS", 0.1)
+    with lock_of(place.path):
+        assert main(["sweep", "run", str(place.path)]) == sweep.TRY_AGAIN
+    assert "another process is at work" in capsys.readouterr().err
+    (place.path / "progress.csv").mkdir()  # the system refuses to write there, as a full disk would
+    assert main(["sweep", "run", str(place.path)]) == sweep.TRY_AGAIN
+
+
+def test_a_task_that_was_renamed_is_not_waited_for(tmp_path, capsys):
+    task = {"id": "AdaptNet/Humanoid-Stoop-v0", "base": str(save_tiny_base(tmp_path)), "n_envs": 8, "samples": 64}
+    file, folder = tmp_path / "mine.yml", tmp_path / "runs"
+    file.write_text(yaml.safe_dump({"tasks": [{**task, "name": "before"}]}))
+    prepare(units_of(read_sweep(file), 1), folder)
+    file.write_text(yaml.safe_dump({"tasks": [{**task, "name": "after"}]}))
+    assert main(["sweep", str(file), "--dir", str(folder), "--plain"]) == 0
+    assert "1 runs: 1 done" in capsys.readouterr().out

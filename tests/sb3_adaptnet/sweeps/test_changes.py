@@ -29,3 +29,11 @@ def test_callbacks_change_by_their_names():
     assert second == {"b.Style": {"every": 2}}
     with pytest.raises(ValueError, match="no 'c.Other' to change; there are: a.Discriminators, b.Style"):
         merged(ENTRY, {"callback": {"c.Other": {}}})
+
+
+def test_callbacks_of_the_same_class_stay_and_cannot_be_changed_by_their_name():
+    twice = {"callback": [{"a.Ramp": {"last": 1}}, "b.Plain", {"a.Ramp": {"last": 2}}]}
+    changed = merged(twice, {"callback": {"b.Plain": {"every": 3}}})["callback"]
+    assert changed == [{"a.Ramp": {"last": 1}}, {"b.Plain": {"every": 3}}, {"a.Ramp": {"last": 2}}]
+    with pytest.raises(ValueError, match="'a.Ramp' stands there 2 times"):
+        merged(twice, {"callback": {"a.Ramp": {"last": 3}}})
