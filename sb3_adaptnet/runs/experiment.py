@@ -25,8 +25,9 @@ FALLBACK = "default"
 RUN_KEYS = ("n_envs", "n_timesteps", "policy", "callback", "env_kwargs")
 """Keys of an entry that belong to the run, not to the algorithm."""
 FIRST_STEP = 1e-6
-"""PPO's first actor rate when it goes on from an adaptation: 1e-4, as `large_rollouts.yml` has, gave the first update a KL of 1.9."""
-NOT_FROM_YAML = ("self", "env", "policy", "_init_setup_model")
+"""PPO's first actor rate when it goes on from an adaptation: 1e-4 gave the first update a KL of 1.9."""
+NOT_FROM_YAML = ("self", "env", "policy", "seed", "device", "_init_setup_model")
+"""Arguments of an algorithm that an entry cannot give: they are the run's."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ def hyperparameters(
 
 
 def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
-    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: discriminators, then ramps, averages and `StyleCallback`.
+    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: discriminators, then ramps, averages and such.
 
     Args:
         env_id: such as "AdaptNet/Humanoid-Stoop-v0".
@@ -143,6 +144,7 @@ def experiment_of(
         else:
             entry = {**entry, "regression_updates": 0}
     _refuse_unknown(f"{where}: policy_kwargs", policy_kwargs, arguments_of(policy))
+    policy_kwargs = {key: _number(where, key, value) for key, value in policy_kwargs.items()}
     arguments = {key: _number(where, key, value) for key, value in entry.items() if key in keys}
     return Experiment(
         env_id=env_id,
@@ -238,6 +240,8 @@ def arguments_of(cls: type) -> tuple[str, ...]:
 def _callbacks(where: str, entries: Any) -> list[tuple[type, dict[str, Any]]]:
     found = []
     for entry in entries if isinstance(entries, list) else [] if entries is None else [entries]:
+        if isinstance(entry, dict) and len(entry) != 1:
+            raise ValueError(f"{where}: each callback has a dash of its own, unlike {', '.join(map(str, entry))}")
         name, settings = next(iter(entry.items())) if isinstance(entry, dict) else (entry, {})
         cls = load_class(name, where)
         _refuse_unknown(f"{where}: {name}", settings or {}, arguments_of(cls))

@@ -92,6 +92,9 @@ def test_hyperparameters_are_a_fresh_dict_with_the_base():
     ({"callback": [{"sb3_adaptnet.DiscriminatorRewardCallback": {"kl": 1}}]}, "'kl'.*kl_range"),
     ({"policy": "sb3_adaptnet.NoSuchPolicy"}, "NoSuchPolicy"),
     ({"learning_rate": "5e-6"}, "learning_rate.*5e-06|learning_rate.*text"),
+    ({"policy_kwargs": {"actor_lr": "5e-6"}}, "actor_lr is text to YAML"),
+    ({"seed": 3}, "unknown key 'seed'"),
+    ({"callback": {"sb3_adaptnet.AttributeRamp": {}, "sb3_adaptnet.WeightAveraging": {}}}, "a dash of its own"),
 ])  # fmt: skip
 def test_unknown_keys_are_refused(tmp_path, changes, message):
     with pytest.raises(ValueError, match=message):
