@@ -14,7 +14,7 @@ from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_worlds_for
-from sb3_adaptnet.commands.train import INTERRUPTED, positive
+from sb3_adaptnet.commands.train import INTERRUPTED, positive, refuse_given
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import Figures, evaluate
 from sb3_adaptnet.evaluation.report import text_table
@@ -27,6 +27,10 @@ from sb3_adaptnet.world_model.world_file import read_world
 
 STYLE_ENV = "AdaptNet/Humanoid-Style-v0"
 """The environment that takes any motion."""
+BASE = "walk"
+"""What is adapted where nothing else is named."""
+FROM_SCRATCH_ONLY = ("motion", "map", "base", "seed", "algo", "world_model", "n_envs", "run_dir")
+"""Options that a resumed run cannot change."""
 SECONDS = 300.0
 """Simulated seconds of the evaluation at the end."""
 
@@ -38,15 +42,15 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("--motion", metavar="FILE", help="the motion; of a BVH or JSON file one gait cycle is cut out")
     parser.add_argument("--map", metavar="MAP.YML", help="which joint is which, for a BVH skeleton that is not known")
-    parser.add_argument("--base", default="walk", metavar="NAME_OR_FILE", help="base to adapt (default walk)")
+    parser.add_argument("--base", metavar="NAME_OR_FILE", help=f"base to adapt (default {BASE})")
     parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="weight file to write")
-    parser.add_argument("--seed", type=int, default=0, help="default 0")
+    parser.add_argument("--seed", type=int, help="default 0")
     parser.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run; default runs/adapt-OUT")
     parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder")
     parser.add_argument("--n-envs", type=positive, help="worlds; default: the entry's")
     parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
-    parser.add_argument("--device", default="cpu", help="cpu (default) or cuda")
+    parser.add_argument("--device", help="cpu (default) or cuda")
     parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
     add_algorithm_options(parser, BEST)
     words = f"simulated seconds that the result is measured for (default {SECONDS:g})"
@@ -60,7 +64,8 @@ def run(options: argparse.Namespace) -> int:
     check_output(options.output)
     shown = {"minutes": options.minutes, "quiet": options.quiet}
     if options.resume is not None:
-        folder = resume(options.resume, options.samples, **shown)
+        refuse_given(options, FROM_SCRATCH_ONLY)
+        folder = resume(options.resume, options.samples, options.device, options.threads, **shown)
     else:
         folder = start(*prepare(options), **shown)
     return report(folder, options.output, options.seconds, options.quiet)
@@ -74,24 +79,25 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
     """
     if options.motion is None:
         raise ValueError("name a motion with --motion, or a run with --resume")
-    algo = algorithm_of(options, best_for(options.base))
+    base = options.base or BASE
+    algo = algorithm_of(options, best_for(base))
     if options.world_model is not None:
         read_world(options.world_model)  # before anything is written
-    entry = experiment(STYLE_ENV, options.base, algo=algo)
+    entry = experiment(STYLE_ENV, base, algo=algo)
     clip = opened(options.motion, options.map, options.quiet)
     path = options.run_dir or RUNS / f"adapt-{options.output.name.removesuffix(WEIGHT_SUFFIX)}"
-    if (path / "run.json").exists():
+    if RunFolder.has_begun(path):
         raise ValueError(f"{path} holds a run already; continue it with --resume {path}, or choose --run-dir")
     path.mkdir(parents=True, exist_ok=True)
     clip.save(path / MOTION)
     settings = RunSettings(
         env_id=STYLE_ENV,
         samples=options.samples or entry.samples,
-        seed=options.seed,
-        base=options.base,
+        seed=options.seed or 0,
+        base=base,
         motion=str(path / MOTION),
         n_envs=options.n_envs,
-        device=options.device,
+        device=options.device or "cpu",
         threads=options.threads,
         algo=algo,
         world_model=options.world_model,
@@ -117,7 +123,7 @@ def report(folder: RunFolder, output: Path, seconds: float, quiet: bool = False)
     file = export(folder.path, output)
     print(f"wrote {file} after {done:,} samples (run: {folder.path})")
     print(text_table({file.stem: measure(file, folder.settings, seconds, iter if quiet else ProgressBar("walking"))}))
-    base = "" if folder.settings.base == "walk" else f" --base {folder.settings.base}"
+    base = "" if folder.settings.base == BASE else f" --base {folder.settings.base}"
     print(f"look at it:     adaptnet play {file}{base}\nmeasure longer: adaptnet eval {file}{base} --write-card")
     return 0
 

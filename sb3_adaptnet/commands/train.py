@@ -1,6 +1,7 @@
 """`adaptnet train`: train or adapt on an environment, resumable."""
 
 import argparse
+from collections.abc import Sequence
 from typing import Any
 
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
@@ -96,13 +97,22 @@ def refuse_changes(options: argparse.Namespace) -> None:
     Raises:
         ValueError: if one was given, or the id is another.
     """
-    given = [name for name in FROM_SCRATCH_ONLY if getattr(options, name) is not None]
-    if given:
-        option = given[0].replace("_", "-")
-        raise ValueError(f"--{option} cannot change in a resumed run; --samples, --device and --threads can")
+    refuse_given(options, FROM_SCRATCH_ONLY)
     asked, has = options.env_id, RunFolder.open(options.resume).settings.env_id
     if asked is not None and asked != has:
         raise ValueError(f"the run {options.resume} trains on {has}, not {asked}")
+
+
+def refuse_given(options: argparse.Namespace, names: Sequence[str]) -> None:
+    """Refuse options of a new run where one is resumed.
+
+    Raises:
+        ValueError: if one of these was given.
+    """
+    given = [name for name in names if getattr(options, name) is not None]
+    if given:
+        option = given[0].replace("_", "-")
+        raise ValueError(f"--{option} cannot change in a resumed run; --samples, --device and --threads can")
 
 
 def report(folder: RunFolder) -> int:

@@ -79,7 +79,7 @@ class RunFolder:
         """
         entry = read_entry(conf_path(settings.conf_file or settings.algo), settings.env_id)
         folder = cls(Path(path) if path is not None else next_path(settings.env_id), settings)
-        if (folder.path / "run.json").exists():
+        if cls.has_begun(folder.path):
             raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
         folder.path.mkdir(parents=True, exist_ok=True)
         if settings.motion is not None and not ships(settings.motion):
@@ -89,6 +89,11 @@ class RunFolder:
         write_atomically(folder.config, lambda stream: stream.write(config.encode()))
         folder.write_settings(settings)
         return folder
+
+    @staticmethod
+    def has_begun(path: Path) -> bool:
+        """Whether a folder holds a run that can be resumed: one killed before its first checkpoint may begin again."""
+        return (path / "run.json").exists() and (path / "checkpoint.pt").exists()
 
     @classmethod
     def open(cls, path: str | Path) -> "RunFolder":

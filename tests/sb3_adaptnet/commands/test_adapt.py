@@ -61,6 +61,9 @@ def test_a_run_goes_on_where_it_stopped(base, tmp_path, capsys):
     assert "--resume" in capsys.readouterr().err
     again = ["adapt", "--resume", str(tmp_path / "run"), "--samples", "256", "-o", str(tmp_path / "more"), "--quiet"]
     again += ["--seconds", "1"]
+    for option in (["--motion", "Limp"], ["--seed", "3"], ["--base", "walk"]):
+        assert main([*again, *option]) == 2
+        assert f"{option[0]} cannot change in a resumed run" in capsys.readouterr().err
     assert main(again) == 0
     second = json.loads((tmp_path / "more.json").read_text())
     assert second["training"]["samples"] >= 256 and second["hash"] != first["hash"]
