@@ -109,6 +109,9 @@ class WeightAveraging(BaseCallback):
     def _init_callback(self) -> None:
         if hasattr(self.model, "weight_average"):
             raise ValueError(f"{type(self.model).__name__} averages its weights by itself, by its average_decay")
+        self._watch_policy()
+
+    def _watch_policy(self) -> None:
         policy: Any = self.model.policy
         weights = [weight for weight in getattr(policy, "actor", policy).parameters() if weight.requires_grad]
         if not hasattr(self, "average") or not self.average.watches(weights):
@@ -143,4 +146,5 @@ class WeightAveraging(BaseCallback):
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Restore what `state_dict` gave, for a policy that holds the average."""
+        self._watch_policy()  # restoring may have built its actor anew
         self.average.load_state_dict(state)

@@ -84,6 +84,30 @@ def test_a_run_ships_the_average_and_goes_on_from_the_latest_weights(tmp_path):
     assert after == 2 * before > 0
 
 
+def test_the_average_is_of_the_policy_that_was_restored(tmp_path):
+    """Restoring builds a new actor where the old one was described otherwise, as after `--base` was written anew."""
+    discriminators = {"sb3_adaptnet.DiscriminatorRewardCallback": {}}
+    asked = settings(tmp_path, samples=64)
+    conf(tmp_path, callback=[discriminators, {"sb3_adaptnet.WeightAveraging": {"decay": 0.9}}])
+    folder = start(asked, tmp_path / "run", quiet=True)
+    learner = build_learner(folder.settings, samples_done=64)
+    averaging = next(callback for callback in learner.others if isinstance(callback, WeightAveraging))
+    for callback in (learner.discriminators, averaging):
+        callback.init_callback(learner.model)
+    policy = learner.model.policy
+    policy.assemble(policy.actor_from(policy.describe_actor()))
+    restore(learner.model, learner.discriminators, folder.load(), [averaging])
+    assert averaging.average.watches([w for w in policy.actor.parameters() if w.requires_grad])
+
+
+def test_a_run_killed_before_its_first_checkpoint_may_begin_again(tmp_path):
+    folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
+    with pytest.raises(ValueError, match="holds a run already"):
+        start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
+    folder.checkpoint.unlink()
+    assert start(settings(tmp_path, samples=128), tmp_path / "run", quiet=True).load()["samples"] == 128
+
+
 def test_a_run_keeps_the_settings_it_began_with(tmp_path):
     folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
     conf(tmp_path, n_steps=4, batch_size=16)  # the file changes afterwards
