@@ -175,8 +175,12 @@ class AdaptNetPolicy(PolicyFromBase):
             CheckpointError: if it cannot be read or adapts another base.
         """
         self._refuse_if_merged("load an adaptation")
-        del self.actor.adaptations[TRAINED]
-        self.add_adaptation(name_or_file, TRAINED, weight=1.0)
+        before = self.actor.adaptations.pop(TRAINED)
+        try:
+            self.add_adaptation(name_or_file, TRAINED, weight=1.0)
+        except Exception:
+            self.actor.adaptations[TRAINED] = before
+            raise
         self.actor.adaptations[TRAINED].requires_grad_(True)
         self._make_optimizer()
 

@@ -12,6 +12,7 @@ from sb3_adaptnet import (
     CheckpointError,
     PretrainPolicy,
     load_policy,
+    save_adaptation,
     save_base,
 )
 
@@ -94,6 +95,15 @@ def test_starts_from_another_adaptation_and_goes_on_learning_it(two_styles, tiny
     model.learn(64)
     assert not np.array_equal(act(model.policy), alone)
     assert np.array_equal(act(load_policy(two_styles[0], ToyEnv(), base=tiny_base)), alone)
+
+
+def test_a_refused_file_leaves_the_adaptation(two_styles, tiny_base, tmp_path):
+    policy = load_policy(two_styles[0], ToyEnv(), base=tiny_base)
+    alone = act(policy)
+    with pytest.raises(CheckpointError, match="moonwalk"):
+        policy.load_adaptation("moonwalk")
+    assert np.array_equal(act(policy), alone)
+    assert save_adaptation(policy, tmp_path / "again").is_file()
 
 
 def test_a_start_that_is_no_adaptation_of_the_base_is_refused(two_styles, tiny_base, tmp_path):
