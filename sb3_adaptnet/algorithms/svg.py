@@ -113,6 +113,7 @@ class SVG(ModelBasedAlgorithm):
         )  # fmt: skip
         if not 0 < window <= n_steps:
             raise ValueError(f"window is {window}, expected 1 to n_steps, which is {n_steps}")
+        groups.check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
         self.gradient_steps, self.recent_rollouts, self.average_decay = gradient_steps, recent_rollouts, average_decay
         self.episodes = groups.grouped(groups.Episodes, episodes)
@@ -216,8 +217,7 @@ class SVG(ModelBasedAlgorithm):
         update_learning_rate(self.policy.optimizer, self._learning_rate_now())
         weights, rollouts = self.loss_weights.at(self.num_timesteps), list(self._rollouts)
         to_come = self._critic_training.learned(self.num_timesteps, weights, rollouts)
-        frozen, recent = self.world_model.frozen(), rollouts[-self.recent_rollouts :]
-        logs = []
+        frozen, recent, logs = self.world_model.frozen(), rollouts[-self.recent_rollouts :], list[dict[str, float]]()
         with self.weight_average.learning():
             for number in range(self.gradient_steps):
                 rollout = recent[-1 if number % 2 == 0 else self.rng.integers(len(recent))]

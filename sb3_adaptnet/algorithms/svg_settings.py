@@ -148,12 +148,14 @@ class CostToGo:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative weight or cost, or a discount or trace beyond 0 to 1.
+            ValueError: for a negative weight or cost, a discount or trace beyond 0 to 1, or no updates.
         """
         check_schedule("weight", self.weight)
         check_schedule("end_cost", self.end_cost)
         if not (0 <= self.discount < 1 and 0 <= self.trace <= 1):
             raise ValueError(f"discount and trace lie within 0 to 1, and discount below 1; not {self}")
+        first, later = self.updates
+        check_positive(first_updates=first, later_updates=later)
 
 
 @dataclass(frozen=True)
@@ -193,6 +195,17 @@ class LossSchedules:
     def at(self, samples: int) -> LossWeights:
         """The weights after `samples` samples."""
         return LossWeights(**{name: value_at(schedule, samples) for name, schedule in self.weights.items()})
+
+
+def check_positive(**numbers: int) -> None:
+    """Refuse numbers of things of which there must be one.
+
+    Raises:
+        ValueError: for one below 1, with its name.
+    """
+    for name, number in numbers.items():
+        if number < 1:
+            raise ValueError(f"{name} is {number}, expected at least 1")
 
 
 def grouped(kind: type[Group], given: Group | Mapping[str, Any] | None) -> Group:

@@ -1,8 +1,11 @@
 """What training reported, rollout by rollout: the rows of `progress.csv`."""
 
 import csv
+import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+
+from sb3_adaptnet.weights.atomic_file import write_atomically
 
 Row = dict[str, float]
 
@@ -13,11 +16,12 @@ def reward_column(objective: str) -> str:
 
 
 def write_rows(path: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
-    """Write a file with a header; a row's missing numbers stay empty."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, columns, restval="", extrasaction="ignore")
-        writer.writeheader()
-        writer.writerows(rows)
+    """Write a file with a header, whole or not at all; a row's missing numbers stay empty."""
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, columns, restval="", extrasaction="ignore")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_atomically(path, lambda stream: stream.write(text.getvalue().encode()))
 
 
 def append_row(path: Path, columns: Sequence[str], row: Row) -> None:

@@ -4,7 +4,15 @@ import pytest
 import torch
 
 from sb3_adaptnet.algorithms.svg_loss import smoothness_loss
-from sb3_adaptnet.algorithms.svg_settings import CostToGo, Episodes, Exploration, LossSchedules, LossWeights, grouped
+from sb3_adaptnet.algorithms.svg_settings import (
+    CostToGo,
+    Episodes,
+    Exploration,
+    LossSchedules,
+    LossWeights,
+    check_positive,
+    grouped,
+)
 
 
 def test_smoothness_is_the_squared_change():
@@ -39,3 +47,10 @@ def test_weights_of_the_loss_may_change_with_the_samples():
         LossSchedules.of({"gaol": 1.0})
     with pytest.raises(ValueError, match="footing must be a number or"):
         LossSchedules.of({"footing": {0: -1.0}})
+
+
+def test_of_updates_and_rollouts_there_must_be_one():
+    with pytest.raises(ValueError, match="later_updates is 0"):
+        CostToGo(updates=(300, 0))
+    with pytest.raises(ValueError, match="recent_rollouts is 0"):
+        check_positive(gradient_steps=1, recent_rollouts=0)
