@@ -34,7 +34,7 @@ def amend_card(file: Path, **entries: Any) -> dict[str, Any]:
 
 
 def trained_in(policy: str) -> tuple[str, str | None]:
-    """Environment that a weight file's card names, and its clip if the environment has none of its own.
+    """Environment that a weight file's card names, and the clip that it was trained on, None if it names none.
 
     Raises:
         ValueError: if the card names no environment.
@@ -44,6 +44,6 @@ def trained_in(policy: str) -> tuple[str, str | None]:
     environment = card.get("environment")
     if not isinstance(environment, str):
         raise ValueError(f"{policy!r} does not say what it was trained in; name an environment with --env")
-    motion = card.get("motion") if "-Style-" in environment else None
+    motion = card.get("motion")
     beside = file.with_name(motion) if motion is not None and Path(motion).name == motion else None
     return environment, str(beside) if beside is not None and beside.is_file() else motion
