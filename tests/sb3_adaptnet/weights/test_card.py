@@ -9,7 +9,7 @@ from policy_cases import act
 from toy_env import ToyEnv
 
 from sb3_adaptnet import load_policy
-from sb3_adaptnet.weights.card import FIXED, amend_card
+from sb3_adaptnet.weights.card import FIXED, amend_card, trained_in
 from sb3_adaptnet.weights.weight_file import CheckpointError, read_weights, write_weights
 
 
@@ -61,3 +61,12 @@ def test_a_policy_acts_the_same_before_and_after(tiny_base, tmp_path):
     copy = shutil.copyfile(tiny_base, tmp_path / "copy.safetensors")
     amend_card(copy, evaluation={"seed": 0})
     assert (act(load_policy(copy, ToyEnv())) == act(load_policy(tiny_base, ToyEnv()))).all()
+
+
+def test_a_card_tells_the_environment_and_the_clip_of_any(file):
+    with pytest.raises(ValueError, match="does not say what it was trained in"):
+        trained_in(str(file))
+    amend_card(file, environment="AdaptNet/Humanoid-IceWalk-v0", motion="Stoop")
+    assert trained_in(str(file)) == ("AdaptNet/Humanoid-IceWalk-v0", "Stoop")
+    amend_card(file, motion=None)
+    assert trained_in(str(file)) == ("AdaptNet/Humanoid-IceWalk-v0", None)
