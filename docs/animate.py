@@ -76,7 +76,7 @@ PICTURES = {
     "locks": Picture(_beneath(LOCKS), len(LOCKS)),
     "ice": Picture(_beneath(GROUNDS[:1]), 2),
     "terrain": Picture(_beneath(GROUNDS[1:]), 2),
-    "pushes": Picture((Pane("walk-pushwalk", "PushWalk"),), 1),
+    "pushes": Picture((Pane("walk-pushwalk", "PushWalk"), Pane("run-pushrun", "PushRun")), 2),
 }
 """File -> what it shows."""
 EVERY, SECONDS, QUALITY = 2, 4.0, 32
