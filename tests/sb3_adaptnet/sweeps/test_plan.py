@@ -109,7 +109,7 @@ def test_pretrained_makes_what_ships_as_the_cards_say():
     found = {unit.task: unit for unit in units_of(read_sweep("pretrained"), 2)}
     cards = {name: json.loads(pretrained_path(name).with_suffix(".json").read_text()) for name in pretrained_names()}
     tasks = {unit.name: name for name, unit in found.items()}
-    begun = {tasks[unit.after] for unit in found.values() if unit.after}
+    begun = {tasks[unit.after] for unit in found.values() if unit.after} - set(cards)  # starts that do not ship
     assert {name for name, card in cards.items() if card["kind"] == "adaptation"} == set(found) - begun
     for name, unit in ((name, unit) for name, unit in found.items() if name not in begun):
         card, settings = cards[name]["training"], unit.settings
