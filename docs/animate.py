@@ -68,14 +68,14 @@ STYLES = ("Stoop", "Penguin", "Stomp", "Kicking", "GooseStep", "JauntySkip", "Sw
 BODIES = (("walk", "LongShinsWalk"), ("walk", "LongThighsWalk"), ("walk", "SuperLongLegsWalk"), ("run", "LongShins"),
           ("run", "LongThighs"))  # fmt: skip
 LOCKS = (("walk", "LockedRightKneeWalk"), ("walk", "LockedAnklesWalk"), ("run", "LockedRightKnee"))
-GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "Obstacles"))
+GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "TerrainRugged"), ("walk", "Obstacles"))
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
     "styles": Picture(tuple(Pane(f"walk-{name.lower()}", name) for name in STYLES), 4, 180),
     "bodies": Picture(_beneath(BODIES), len(BODIES), 160),
     "locks": Picture(_beneath(LOCKS), len(LOCKS)),
     "ice": Picture(_beneath(GROUNDS[:1]), 2),
-    "terrain": Picture(_beneath(GROUNDS[1:]), 2),
+    "terrain": Picture(_beneath(GROUNDS[1:]), 3),
     "pushes": Picture((Pane("walk-pushwalk", "PushWalk"), Pane("run-pushrun", "PushRun")), 2),
 }
 """File -> what it shows."""
