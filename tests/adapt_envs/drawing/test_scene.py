@@ -1,0 +1,22 @@
+"""Several scenes in one process do not draw into each other."""
+
+from contextlib import closing
+
+import numpy as np
+
+from adapt_envs import env_id, make_vector
+from adapt_envs.drawing.world_view import SceneRenderer
+
+
+def test_a_scene_that_is_closed_leaves_the_others():
+    """MuJoCo frees in the context that is current, whoever's it is; the other scene then drew what was left there."""
+    worlds = [make_vector(env_id(name), 1, num_threads=1) for name in ("TerrainHills", "Obstacles")]
+    for env in worlds:
+        env.reset(seed=0)
+    with closing(SceneRenderer(worlds[1].worlds, (96, 96))) as stays:
+        before = stays.picture().astype(int)
+        for _ in range(2):
+            with closing(SceneRenderer(worlds[0].worlds, (96, 96))) as goes:
+                goes.picture()
+                stays.picture()
+            assert np.abs(stays.picture() - before).max() < 8
