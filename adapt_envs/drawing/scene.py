@@ -92,7 +92,7 @@ class Scene:
     def close(self) -> None:
         """Give the renderer back; a second call does nothing."""
         if self._renderer is not None:
-            self._renderer.render()  # MuJoCo frees what it drew with in the current context, which may be another scene's
+            self._renderer.render()  # MuJoCo frees in the current context, which may have been another scene's
             self._renderer.close()
         self._renderer = None
 
