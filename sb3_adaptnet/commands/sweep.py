@@ -147,7 +147,6 @@ def train(place: UnitFolder, unit: Unit) -> int:
         print(f"goes on after {done} samples", flush=True)
         folder = resume(place.path, settings.samples, settings.device, settings.threads, minutes=unit.minutes)
     else:
-        (place.path / "run.json").unlink(missing_ok=True)  # a kill came before the first checkpoint
         folder = start(place.write_config(unit), place.path, minutes=unit.minutes)
     return int(folder.load()["samples"])
 

@@ -9,7 +9,7 @@ import yaml
 from filelock import FileLock, Timeout
 
 from sb3_adaptnet.runs.experiment import LOADER
-from sb3_adaptnet.runs.run_folder import RunSettings
+from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.sweeps.sweep_file import Measurement
 from sb3_adaptnet.weights.atomic_file import write_atomically
 from sb3_adaptnet.weights.storage import BITS
@@ -75,7 +75,7 @@ class UnitFolder:
     @property
     def begun(self) -> bool:
         """Whether there is a checkpoint to go on from."""
-        return (self.path / "run.json").is_file() and (self.path / "checkpoint.pt").is_file()
+        return RunFolder.has_begun(self.path)
 
     def read(self) -> Unit:
         """Read what to do.

@@ -61,7 +61,8 @@ def test_a_ramp_by_falls_and_a_range_by_samples_go_on_where_they_were(tmp_path):
     assert len(drift) == 20 and drift == pytest.approx([0.1 + 0.005 * i for i in range(20)], abs=1e-4)
 
 
-def test_a_run_ships_the_average_and_goes_on_from_the_latest_weights(tmp_path):
+def averaging_run(tmp_path):
+    """A finished run with averaged weights, and a learner that is ready to be restored from it, with its average."""
     asked = settings(tmp_path)
     discriminators = {"sb3_adaptnet.DiscriminatorRewardCallback": {}}
     conf(tmp_path, callback=[discriminators, {"sb3_adaptnet.WeightAveraging": {"decay": 0.9}}])
@@ -70,6 +71,11 @@ def test_a_run_ships_the_average_and_goes_on_from_the_latest_weights(tmp_path):
     averaging = next(callback for callback in learner.others if isinstance(callback, WeightAveraging))
     for callback in (learner.discriminators, averaging):
         callback.init_callback(learner.model)
+    return folder, learner, averaging
+
+
+def test_a_run_ships_the_average_and_goes_on_from_the_latest_weights(tmp_path):
+    folder, learner, averaging = averaging_run(tmp_path)
     state = folder.load()
     restore(learner.model, learner.discriminators, state, [averaging])
     assert equal(dict(learner.model.policy.state_dict()), dict(state["policy"]))
@@ -86,14 +92,7 @@ def test_a_run_ships_the_average_and_goes_on_from_the_latest_weights(tmp_path):
 
 def test_the_average_is_of_the_policy_that_was_restored(tmp_path):
     """Restoring builds a new actor where the old one was described otherwise, as after `--base` was written anew."""
-    discriminators = {"sb3_adaptnet.DiscriminatorRewardCallback": {}}
-    asked = settings(tmp_path, samples=64)
-    conf(tmp_path, callback=[discriminators, {"sb3_adaptnet.WeightAveraging": {"decay": 0.9}}])
-    folder = start(asked, tmp_path / "run", quiet=True)
-    learner = build_learner(folder.settings, samples_done=64)
-    averaging = next(callback for callback in learner.others if isinstance(callback, WeightAveraging))
-    for callback in (learner.discriminators, averaging):
-        callback.init_callback(learner.model)
+    folder, learner, averaging = averaging_run(tmp_path)
     policy = learner.model.policy
     policy.assemble(policy.actor_from(policy.describe_actor()))
     restore(learner.model, learner.discriminators, folder.load(), [averaging])
