@@ -31,7 +31,7 @@ sb3_adaptnet.weights
 sb3_adaptnet.world_model
 sb3_adaptnet.world_model.fitting
 sb3_adaptnet.policies  sb3_adaptnet.vec_env
-sb3_adaptnet.objectives
+sb3_adaptnet.objectives  sb3_adaptnet.stacking
 sb3_adaptnet.algorithms.tracking
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs
@@ -44,7 +44,9 @@ sb3_adaptnet.commands
 """
 """Rooms, lowest first. A room imports from the layers below it, and from itself."""
 LAYER_OF = {room: layer for layer, rooms in enumerate(LAYERS.split("\n")) for room in rooms.split()}
-ROOMS_WITH_A_VIEW = ("vec_env", "evaluation", "runs", "play", "publishing", "exporting", "sweeps", "commands", "zoo")
+ROOMS_WITH_A_VIEW = (
+    "vec_env", "stacking", "evaluation", "runs", "play", "publishing", "exporting", "sweeps", "commands", "zoo",
+)  # fmt: skip
 MAY_SEE_THE_WORLD = {f"sb3_adaptnet.{room}" for room in ROOMS_WITH_A_VIEW}
 LEARNING = {"torch", "sb3_adaptnet", "stable_baselines3", "rl_zoo3"}
 MOST_LINES, LONGEST_FUNCTION, MOST_MODULES = 250, 60, 14

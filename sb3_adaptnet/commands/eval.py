@@ -23,10 +23,11 @@ from sb3_adaptnet.evaluation.pictures import write_strip
 from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import longest, performance_of, typical_clip
-from sb3_adaptnet.evaluation.stacking import markdown, measure_pairs, pairs_of, write_csv, write_heat_map
+from sb3_adaptnet.evaluation.stacking import markdown, measure_pairs, write_csv, write_heat_map
 from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_base_of, load_policy
+from sb3_adaptnet.stacking import pairs_of
 from sb3_adaptnet.weights.checkpoint import resolve
 
 STACK_SECONDS = 200.0

@@ -21,6 +21,7 @@ from sb3_adaptnet.runs.history import Row, read_rows
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.runs.training import make_worlds
 from sb3_adaptnet.runs.world_export import export_world, has_new_world
+from sb3_adaptnet.stacking import JoinedWorlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.checkpoint import BASE, read_kind, save_adaptation, save_base
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
@@ -128,9 +129,9 @@ def export(run_dir: str | Path, output: str | Path, bits: int = 32) -> Path:
     return file
 
 
-def task_of(worlds: AdaptVecEnv) -> TaskSpec | None:
-    """The task's row with its overrides, where the worlds are this project's."""
-    vector = worlds.vector_env.unwrapped
+def task_of(worlds: AdaptVecEnv | JoinedWorlds) -> TaskSpec | None:
+    """The task's row with its overrides, where the worlds are this project's; of joined ones the first group's."""
+    vector = (worlds.groups[0] if isinstance(worlds, JoinedWorlds) else worlds).vector_env.unwrapped
     return vector.worlds.spec if isinstance(vector, AdaptVectorEnv) else None
 
 
@@ -148,7 +149,9 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec |
     policy_kwargs = dict(entry.arguments["policy_kwargs"])
     for key in ("base", "start"):
         if policy_kwargs.get(key) is not None:  # its name: where the file lay means nothing elsewhere
-            policy_kwargs[key] = Path(policy_kwargs[key]).name.removesuffix(WEIGHT_SUFFIX)
+            policy_kwargs[key] = _name(policy_kwargs[key])
+    if policy_kwargs.get("companions"):
+        policy_kwargs["companions"] = [_name(file) for file in policy_kwargs["companions"]]
     training = {
         "samples": samples,
         "seed": settings.seed,
@@ -161,6 +164,10 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec |
     if spec is not None and (spec.terrain is not None or spec.obstacles is not None):
         training["terrain_seed"] = spec.terrain_seed
     return {"environment": settings.env_id, "training": training}
+
+
+def _name(file: str | Path) -> str:
+    return Path(file).name.removesuffix(WEIGHT_SUFFIX)
 
 
 def means_of(rows: Sequence[Row]) -> dict[str, float]:

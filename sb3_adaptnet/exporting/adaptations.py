@@ -11,7 +11,7 @@ from torch import nn
 
 from sb3_adaptnet.exporting.encoders import GOAL, add_heightmap_code, add_state_code, relu6, split_observation
 from sb3_adaptnet.exporting.graph import Graph
-from sb3_adaptnet.modules.adaptation.adapted import Adaptation
+from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
 from sb3_adaptnet.modules.adaptation.adaptors import FullAdaptor
 from sb3_adaptnet.modules.adaptation.injector import Injector
 from sb3_adaptnet.modules.adaptation.lora import LowRankAdaptor

@@ -17,6 +17,12 @@ BASE_CODE = "base_code"
 """Key under which a dict may hand back what a frozen base's encoder made of the frames."""
 
 
+COMPANION = "companion"
+"""Key of the number of the frozen adaptation that acts beside what is learned; 0 is none."""
+COMPANION_OFFSET = "companion_offset"
+"""Key under which a dict may hand back what the companion adds to the latents."""
+
+
 class Observation(NamedTuple):
     """A batch of observations, split.
 
@@ -26,12 +32,21 @@ class Observation(NamedTuple):
         goal: (B, goal_size): unit direction in the heading frame, distance [m], preferred speed [m/s].
         heightmap: (B, 1, 35, 35) terrain heights relative to the ground under the root [m], or None.
         base_code: (B, gru_size) what a frozen base's encoder makes of the frames, if it is known already, or None.
+        companion: (B,) int64, which frozen adaptation acts beside what is learned, 0 for none; None where none can.
+        companion_offset: (B, gru_size + goal_size) what the companions add to z0, if it is known already, or None.
     """
 
     frames: torch.Tensor
     goal: torch.Tensor
     heightmap: torch.Tensor | None
     base_code: torch.Tensor | None = None
+    companion: torch.Tensor | None = None
+    companion_offset: torch.Tensor | None = None
+
+    def remembered(self) -> dict[str, torch.Tensor]:
+        """What frozen networks made of it, as a dict hands it back: by the keys BASE_CODE and COMPANION_OFFSET."""
+        known = {BASE_CODE: self.base_code, COMPANION_OFFSET: self.companion_offset}
+        return {key: values for key, values in known.items() if values is not None}
 
 
 def parts_of(whole: Part | Mapping[str, Part]) -> dict[str, Part]:
@@ -59,7 +74,10 @@ def read_observation(
     parts = parts_of(observations)
     heightmap = parts[HEIGHTMAP].float() if HEIGHTMAP in parts else None
     split = split_observation(parts[FLAT].float(), architecture, heightmap)
-    return split._replace(base_code=parts.get(BASE_CODE))
+    companion = parts[COMPANION].long() if COMPANION in parts else None
+    return split._replace(
+        base_code=parts.get(BASE_CODE), companion=companion, companion_offset=parts.get(COMPANION_OFFSET)
+    )
 
 
 def split_observation(

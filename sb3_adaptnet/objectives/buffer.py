@@ -1,6 +1,6 @@
 """Rollout buffer of several objectives: K rewards, K values, one advantage (the paper's eq. 9)."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.type_aliases import TensorDict
 
-from sb3_adaptnet.modules.observation import BASE_CODE, parts_of, whole_of
+from sb3_adaptnet.modules.observation import parts_of, whole_of
 
 
 class ValueNorm(Protocol):
@@ -94,8 +94,8 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
     reward column is known; `get` refuses to hand out samples before that.
 
     Attributes:
-        observations: (T, N, ...) per key; flat ones of a Box under "observation", and "base_code" where the callback
-            keeps it.
+        observations: (T, N, ...) per key; flat ones of a Box under "observation", and what the callback lets it
+            `keep`.
         values, returns: (T, N, K) in real units after `finish`.
         advantages: (T, N), standardised per objective and combined.
     """
@@ -157,14 +157,15 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         self.pos += 1
         self.full = self.pos == self.buffer_size
 
-    def keep_base_code(self, code: torch.Tensor) -> None:
-        """Keep a frozen base's code (N, H) of the observations that `add` will keep next.
+    def keep(self, remembered: Mapping[str, torch.Tensor]) -> None:
+        """Keep what frozen networks made (N, width), by key, of the observations that `add` will keep next.
 
-        It comes back with the samples' observations, so that an update's epochs need not encode them again.
+        It comes back with the samples' observations, so that an update's epochs need not compute it again.
         """
-        if BASE_CODE not in self.observations:
-            self.observations[BASE_CODE] = np.zeros((self.buffer_size, *code.shape), np.float32)
-        self.observations[BASE_CODE][self.pos] = code.cpu().numpy()
+        for key, values in remembered.items():
+            if key not in self.observations:
+                self.observations[key] = np.zeros((self.buffer_size, *values.shape), np.float32)
+            self.observations[key][self.pos] = values.cpu().numpy()
 
     def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: NDArray[np.bool_]) -> None:
         """Note which worlds ended with the last step; the returns wait for `finish`."""

@@ -166,8 +166,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         rewards.update({name: term(step) for name, term in self.reward_terms.items() if name in self.weights})
         windows = pose_windows(self.training_env) if self.imitation is not None else None
         self.rollout.add(rewards, step["dones"], step["infos"], windows)
-        if self._policy.base_code is not None:
-            self.buffer.keep_base_code(self._policy.base_code)
+        self.buffer.keep(self._policy.remembered)
         return True
 
     def _on_rollout_end(self) -> None:

@@ -2,25 +2,27 @@
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from torch import nn
 
-from sb3_adaptnet.modules.adaptation.adapted import Adaptation, AdaptedActor, Penalties
+from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
+from sb3_adaptnet.modules.adaptation.adapted import AdaptedActor, Penalties
+from sb3_adaptnet.modules.adaptation.companions import Companions
 from sb3_adaptnet.modules.adaptation.merge import merge
 from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture, CriticShape
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.layers.precision import autocast
 from sb3_adaptnet.modules.observation import Observation
 from sb3_adaptnet.policies.from_base import PolicyFromBase
+from sb3_adaptnet.policies.frozen import frozen
+from sb3_adaptnet.policies.space_contract import companions_in
 from sb3_adaptnet.weights.checkpoint import (
     ADAPTATION,
-    build_checked,
-    check_base,
-    load_checked,
+    AdaptationFile,
     read_adaptation,
     resolve,
 )
@@ -50,6 +52,7 @@ class AdaptNetPolicy(PolicyFromBase):
         kappa: float = 0.01,
         alpha: float = 1.0,
         start: str | Path | None = None,
+        companions: Sequence[str | Path] = (),
         **settings: Any,
     ) -> None:
         """Read the base and add an adaptation that does nothing yet, or does what another one does.
@@ -68,11 +71,14 @@ class AdaptNetPolicy(PolicyFromBase):
                 `injector`, are then the file's, and so is whether a heightmap is read: with one that reads none, the
                 adaptation stays blind, which a warning says. The training must be gentle with it, as `adaptnet train
                 --start` is: PPO with an `actor_lr` of 1e-6 at first, SVG without `regression_updates`.
+            companions: further adaptations of the base, names or files, frozen, of which the k-th acts in the worlds
+                whose observations say k, as those of `JoinedWorlds` do: what learns beside them can be stacked.
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, critic, optimizer_class,
                 optimizer_kwargs of `ObjectivePolicy`.
 
         Raises:
-            ValueError: for an unknown choice, or if there would be nothing to train.
+            ValueError: for an unknown choice, if there would be nothing to train, or if the observations tell another
+                number of companions apart.
             CheckpointError: if the base or the start cannot be read, or the start adapts another base. A file that is
                 missing only fails when the policy first acts, as in `PolicyFromBase`.
         """
@@ -86,6 +92,9 @@ class AdaptNetPolicy(PolicyFromBase):
         self.keeps_statistics = start is not None
         if start is not None:
             self._go_on_from(start)
+        self._check_companions(len(companions))
+        if companions:
+            self.actor.companions = Companions([self._frozen(read_adaptation(name)) for name in companions])
 
     def _critic_shape(self, wanted: CriticShape) -> CriticShape:
         return wanted
@@ -106,9 +115,14 @@ class AdaptNetPolicy(PolicyFromBase):
         else:  # `PPO.load` builds the policy before it restores it
             self.miss(f"there is no file {str(start)!r} of an adaptation to start from")
 
-    def _with_base_code(self, observation: Observation) -> Observation:
+    def _remembering(self, observation: Observation) -> Observation:
+        actor = self.actor
         with autocast(self.device, self.precision):
-            return observation._replace(base_code=self.actor.base.code(observation.frames))
+            observation = observation._replace(base_code=actor.base.code(observation.frames))
+            if actor.companions is None or observation.companion is None:
+                return observation
+            offset = actor.companions.offsets(observation, actor.base_latent(observation))
+        return observation._replace(companion_offset=offset)
 
     # -- run time (paper, sec. 8.1) ----------------------------------------------------------------------------------
 
@@ -156,17 +170,15 @@ class AdaptNetPolicy(PolicyFromBase):
         """
         self._refuse_if_merged("add an adaptation")
         read = read_adaptation(name_or_file)
-        check_base(read, self.base_name, self.base_hash)
         name = (name or read.file.stem).replace(".", "_")  # torch allows no dots in module names
         if name in self.actor.adaptations:
             raise ValueError(f"there is an adaptation {name!r} already; this policy has {list(self.actor.adaptations)}")
-        shape = build_checked(read.file, read.card, lambda: AdaptationShape.from_dict(read.card["shape"]))
-        self._refuse_missing_heightmap(shape)
-        adaptation = Adaptation(self.architecture, shape)
-        load_checked(adaptation, read.tensors, read.file)
-        self.actor.adaptations[name] = adaptation.requires_grad_(False).to(self.device)
+        self.actor.adaptations[name] = self._frozen(read).to(self.device)
         self.actor.weights[name] = float(weight)
         return name
+
+    def _frozen(self, read: AdaptationFile) -> Adaptation:
+        return frozen(read, self.base_name, self.base_hash, self.architecture, self.reads_heightmap)
 
     def load_adaptation(self, name_or_file: str | Path) -> None:
         """Replace the weights (and the shape) of the trained adaptation by those of a file.
@@ -197,11 +209,10 @@ class AdaptNetPolicy(PolicyFromBase):
         if self.merged:
             raise ValueError(f"cannot {wish}: this policy's adaptors are merged into its layers")
 
-    def _refuse_missing_heightmap(self, shape: AdaptationShape) -> None:
-        if shape.heightmap and not self.reads_heightmap:
-            raise ValueError(
-                f"the adaptation reads a heightmap, but the observation space {self.observation_space} has none"
-            )
+    def _check_companions(self, count: int) -> None:
+        known = companions_in(self.observation_space)
+        if known != count:
+            raise ValueError(f"there are {count} companions, but observations tell {known} apart: see JoinedWorlds")
 
     # -- saving and loading ------------------------------------------------------------------------------------------
 

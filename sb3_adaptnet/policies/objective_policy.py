@@ -24,11 +24,11 @@ class ObjectivePolicy(AssembledPolicy):
     `predict_values` their weighted sum (B, 1).
 
     Attributes:
-        base_code: (B, gru_size) what the encoder of a frozen base made of the observations of the last `forward`, or
-            None. The callback takes it from here to the buffer, and the buffer's samples hand it back, as "base_code"
-            beside "observation", to `evaluate_actions`: an update's epochs need not encode again what cannot change.
+        remembered: what frozen networks made of the observations of the last `forward`: (B, width) by key, such as
+            "base_code". The callback takes it from here to the buffer, and the buffer's samples hand it back, beside
+            "observation", to `evaluate_actions`: an update's epochs need not compute again what cannot change.
             It is an attribute because `PPO.collect_rollouts` calls `forward` and passes on three tensors, no more;
-            encoding again where the callback can ask, after the step, would cost what this is to save.
+            computing again where the callback can ask, after the step, would cost what this is to save.
         precision: the precision in use: "fp32", "medium" or "bf16".
     """
 
@@ -72,14 +72,14 @@ class ObjectivePolicy(AssembledPolicy):
         )
         self.requested_precision = precision
         self.precision = use_precision(precision)
-        self.base_code: torch.Tensor | None = None
+        self.remembered: dict[str, torch.Tensor] = {}
         self._rollout_length = RolloutLength()
 
     def _split(self, obs: PyTorchObs) -> Observation:
         return read_observation(obs, self.architecture)
 
-    def _with_base_code(self, observation: Observation) -> Observation:
-        """For policies around a frozen base: encode once what the whole update needs."""
+    def _remembering(self, observation: Observation) -> Observation:
+        """For policies around a frozen base: compute once what the whole update needs."""
         return observation
 
     def _gaussian(self, observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
@@ -88,7 +88,7 @@ class ObjectivePolicy(AssembledPolicy):
 
     def _normalized_values(self, observation: Observation) -> torch.Tensor:
         if self.critic.reads_base_code and observation.base_code is None:
-            observation = self._with_base_code(observation)
+            observation = self._remembering(observation)
         with autocast(self.device, self.precision):
             return self.critic(observation)
 
@@ -131,8 +131,8 @@ class ObjectivePolicy(AssembledPolicy):
             raise RuntimeError(
                 f"this model learned with {self.num_objectives} objectives: pass DiscriminatorRewardCallback to learn()"
             )
-        observation = self._with_base_code(self._split(obs))
-        self.base_code = observation.base_code
+        observation = self._remembering(self._split(obs))
+        self.remembered = observation.remembered()
         self._rollout_length.add(len(observation.goal))
         self._observe(observation)
         distribution = self._distribution(observation)

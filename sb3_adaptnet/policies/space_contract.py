@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.modules.architecture import Architecture
 from sb3_adaptnet.modules.heightmap import HEIGHTMAP_SIZE
+from sb3_adaptnet.modules.observation import COMPANION, FLAT, HEIGHTMAP
 
 _HEIGHTMAP_SHAPE = (1, HEIGHTMAP_SIZE, HEIGHTMAP_SIZE)
 
@@ -60,8 +61,11 @@ def has_heightmap(observation_space: spaces.Space) -> bool:
     """
     if isinstance(observation_space, spaces.Box) and len(observation_space.shape) == 1:
         return False
-    if isinstance(observation_space, spaces.Dict) and set(observation_space.spaces) == {"observation", "heightmap"}:
-        shape = observation_space["heightmap"].shape
+    keys = set(observation_space.spaces) - {COMPANION} if isinstance(observation_space, spaces.Dict) else set()
+    if keys == {FLAT}:
+        return False
+    if isinstance(observation_space, spaces.Dict) and keys == {FLAT, HEIGHTMAP}:
+        shape = observation_space[HEIGHTMAP].shape
         if shape != _HEIGHTMAP_SHAPE:
             raise ValueError(f"heightmaps must have shape {_HEIGHTMAP_SHAPE}, not {shape}")
         return True
@@ -69,6 +73,12 @@ def has_heightmap(observation_space: spaces.Space) -> bool:
         f"observations must be Box(784,) or Dict(observation=Box(784,), heightmap=Box{_HEIGHTMAP_SHAPE}), "
         f"not {observation_space}"
     )
+
+
+def companions_in(observation_space: spaces.Space) -> int:
+    """How many companions the observations tell apart; 0 if they name none."""
+    number = observation_space.get(COMPANION) if isinstance(observation_space, spaces.Dict) else None
+    return int(number.n) - 1 if isinstance(number, spaces.Discrete) else 0
 
 
 def check_network_fits(architecture: Architecture, observation_space: spaces.Space) -> None:

@@ -22,6 +22,7 @@ from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.saver import RunSaver, Stateful
 from sb3_adaptnet.runs.tracking_metrics import TRACKING_METRICS, TrackingMetrics
 from sb3_adaptnet.runs.worlds import make_worlds
+from sb3_adaptnet.stacking.joined_worlds import JoinedWorlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
@@ -36,7 +37,7 @@ class Learner:
         others: further callbacks of the entry.
     """
 
-    vec_env: AdaptVecEnv
+    vec_env: AdaptVecEnv | JoinedWorlds
     model: BaseAlgorithm
     discriminators: DiscriminatorRewardCallback | None
     others: list[BaseCallback]

@@ -8,17 +8,20 @@ from gymnasium.envs.registration import EnvSpec
 
 from sb3_adaptnet.runs.experiment import Experiment
 from sb3_adaptnet.runs.run_folder import RunSettings
+from sb3_adaptnet.stacking.joined_worlds import JoinedWorlds, worlds_with_companions
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
-def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv:
-    """Make the run's vector environment."""
+def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> AdaptVecEnv | JoinedWorlds:
+    """Make the run's vector environment; where the policy has companions, worlds for each of them joined into one."""
     kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs, "stagger": True}
     kwargs.update(training_ground(spec_of(settings.env_id), settings.seed))
     kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
     if settings.motion is not None:
         kwargs["motion"] = settings.motion
-    return AdaptVecEnv(**{**kwargs, **overrides})
+    kwargs.update(overrides)
+    companions = entry.arguments["policy_kwargs"].get("companions")
+    return worlds_with_companions(companions, **kwargs) if companions else AdaptVecEnv(**kwargs)
 
 
 def spec_of(env_id: str) -> EnvSpec:

@@ -168,7 +168,7 @@ def _forget_base_codes(policy: Any) -> None:
 
     def forgetful(*args: Any, **kwargs: Any) -> Any:
         result = act(*args, **kwargs)
-        policy.base_code = None
+        policy.remembered = {}
         return result
 
     policy.forward = forgetful

@@ -10,10 +10,10 @@ from sb3_adaptnet.evaluation.alpha import record_base
 from sb3_adaptnet.evaluation.gait import clip_gait
 from sb3_adaptnet.evaluation.imitation_error import BOUNDED, imitation_error
 from sb3_adaptnet.evaluation.recording import WORLDS, record, record_straight
-from sb3_adaptnet.evaluation.stacking.parts import Pair, Part
 from sb3_adaptnet.evaluation.style import rounded, style_figures
 from sb3_adaptnet.policies.adaptnet import TRAINED, AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_policy
+from sb3_adaptnet.stacking.parts import Pair, Part
 
 ACTING = ("base", "first", "second", "both")
 """Who is measured in each pair's world."""

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import islice
 from typing import NamedTuple, cast
 
 import torch
@@ -11,13 +10,10 @@ from torch import nn
 from torch.nn import functional
 
 from sb3_adaptnet.modules.actor import Actor
-from sb3_adaptnet.modules.adaptation.adaptors import FullAdaptor, make_adaptors
-from sb3_adaptnet.modules.adaptation.injector import Injector
-from sb3_adaptnet.modules.adaptation.lora import LowRankAdaptor
-from sb3_adaptnet.modules.architecture import AdaptationShape, Architecture
+from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
+from sb3_adaptnet.modules.adaptation.companions import ActingCompanions, Companions
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
-from sb3_adaptnet.modules.layers.regularizers import penalise_injections, penalise_parameters
 from sb3_adaptnet.modules.observation import Observation
 
 
@@ -26,47 +22,6 @@ class Penalties(NamedTuple):
 
     beta: float = 0.01
     kappa: float = 0.01
-
-
-class Adaptation(nn.Module):
-    """What one adaptation adds to its base: an injector and adaptors, each optional.
-
-    Attributes:
-        shape: which parts it has.
-        injector: edits the latents, or None.
-        adaptors: one per hidden layer, or None.
-    """
-
-    def __init__(self, architecture: Architecture, shape: AdaptationShape) -> None:
-        super().__init__()
-        self.shape = shape
-        self.injector = Injector(architecture, shape) if shape.injector else None
-        self.adaptors = make_adaptors(shape, architecture.latent_sizes)
-
-    @property
-    def trained(self) -> bool:
-        """Whether its weights learn; further adaptations in a blend do not."""
-        return any(p.requires_grad for p in self.parameters())
-
-    def start_from(self, base: Backbone) -> None:
-        """Copy the base's encoder into the injector; everything else is zero and stays so."""
-        if self.injector is not None:
-            self.injector.start_from(base)
-
-    def injections(self, observation: Observation, base_latent: torch.Tensor, beta: float) -> dict[int, torch.Tensor]:
-        """Latent space index -> offset (B, width), with the gradient of its penalty attached."""
-        if self.injector is None:
-            return {}
-        return penalise_injections(self.injector(observation, base_latent), beta)
-
-    def increments(self, kappa: float) -> list[tuple[torch.Tensor, torch.Tensor]]:
-        """(Delta W, Delta b) of every hidden layer (eq. 8), with the gradient of their penalty attached."""
-        if self.adaptors is None:
-            return []
-        counts = [len(list(adaptor.parameters())) for adaptor in self.adaptors]
-        values = iter(penalise_parameters(list(self.adaptors.parameters()), kappa))
-        adaptors = cast(list[FullAdaptor | LowRankAdaptor], self.adaptors)
-        return [adaptor.delta(*islice(values, n)) for adaptor, n in zip(adaptors, counts, strict=True)]
 
 
 class AdaptedActor(Actor):
@@ -80,6 +35,7 @@ class AdaptedActor(Actor):
         weights: name -> weight in the blend.
         alpha: overall scale.
         penalties: coefficients of eq. 12, used while gradients are computed.
+        companions: adaptations that act beside these in worlds that name one, or None.
     """
 
     def __init__(
@@ -92,6 +48,7 @@ class AdaptedActor(Actor):
         self.weights = dict.fromkeys(adaptations, 1.0)
         self.alpha = 1.0
         self.penalties = penalties or Penalties()
+        self.companions: Companions | None = None
         self._layers: list[tuple[torch.Tensor, torch.Tensor]] | None = None  # summed, within `one_update`
 
     def parts(self) -> dict[str, Adaptation]:
@@ -164,16 +121,23 @@ class AdaptedActor(Actor):
         """
         latent = self.base_latent(observation)
         offsets = self.injections(observation, latent)
-        if 0 in offsets:
-            latent = latent + offsets[0]
+        beside = self._companions_of(observation, latent)
+        for offset in (offsets.get(0), None if beside is None else beside.offset):
+            latent = latent if offset is None else latent + offset
         extra = self.base.first_bias(observation)
         for space, (weight, bias) in enumerate(self.hidden_layers(), start=1):
             output = functional.linear(latent, weight, bias)
-            for term in (extra, offsets.get(space)):
+            theirs = None if beside is None else beside.output(space, latent, output)
+            for term in (extra, offsets.get(space), theirs):
                 output = output if term is None else output + term
             latent = functional.relu6(output)
             extra = None
         return self.base.heads(latent)
+
+    def _companions_of(self, observation: Observation, base_latent: torch.Tensor) -> ActingCompanions | None:
+        if self.companions is None or observation.companion is None:
+            return None
+        return self.companions.acting(observation, base_latent)
 
     def normalizers(self) -> Sequence[RunningNormalizer]:
         """The normaliser of the injector that learns; the base's and those of other adaptations stay."""

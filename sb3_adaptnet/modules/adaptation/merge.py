@@ -7,7 +7,8 @@ from typing import cast
 import torch
 from torch import nn
 
-from sb3_adaptnet.modules.adaptation.adapted import Adaptation, AdaptedActor
+from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
+from sb3_adaptnet.modules.adaptation.adapted import AdaptedActor
 
 
 @torch.no_grad()

@@ -5,7 +5,7 @@ from network_cases import (
     SMALL,
 )
 
-from sb3_adaptnet.modules.adaptation.adapted import Adaptation
+from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
 from sb3_adaptnet.modules.architecture import AdaptationShape
 
 

@@ -79,12 +79,12 @@ def test_code_of_the_frozen_base_may_be_handed_back(heightmap, tiny_base):
     obs = {k: torch.from_numpy(v) for k, v in obs.items()} if heightmap else {"observation": torch.from_numpy(obs)}
     with torch.no_grad():
         actions, values, old = policy(obs if heightmap else obs["observation"])
-        assert policy.base_code.shape == (6, 8)
-        for kept in (obs, obs | {"base_code": policy.base_code}):
+        assert policy.remembered["base_code"].shape == (6, 8)
+        for kept in (obs, obs | {"base_code": policy.remembered["base_code"]}):
             again, new, _ = policy.evaluate_actions(kept, actions)
             assert torch.equal(new, old)
             assert torch.equal(again, values)
-        _, other, _ = policy.evaluate_actions(obs | {"base_code": policy.base_code + 1}, actions)
+        _, other, _ = policy.evaluate_actions(obs | {"base_code": policy.remembered["base_code"] + 1}, actions)
     assert not torch.allclose(other, old)
 
 

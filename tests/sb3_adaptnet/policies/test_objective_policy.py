@@ -80,7 +80,7 @@ def test_a_critic_of_the_base_code_values_the_same_with_and_without_the_code_at_
     with torch.no_grad():
         actions, values, _ = policy(obs)
         assert torch.allclose(policy.predict_objective_values(obs), values, atol=1e-6)
-        with_code = {"observation": obs, "base_code": policy.base_code}
+        with_code = {"observation": obs, "base_code": policy.remembered["base_code"]}
         kept, _, _ = policy.evaluate_actions(with_code, actions)
         assert torch.allclose(policy.evaluate_actions(obs, actions)[0], kept, atol=1e-6)
         assert torch.equal(kept, values)

@@ -10,7 +10,8 @@ from evaluation_cases import save_tiny_adaptation, save_tiny_base
 from adapt_envs import env_id
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.evaluation.recording import record_straight
-from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, pairs_of, write_heat_map
+from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, write_heat_map
+from sb3_adaptnet.stacking import pairs_of
 from sb3_adaptnet.weights.card import amend_card
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from adapt_envs import SUITE
-from sb3_adaptnet.evaluation.stacking import pairs_of, part_of
+from sb3_adaptnet.stacking import pairs_of, part_of
 
 
 @pytest.mark.parametrize(

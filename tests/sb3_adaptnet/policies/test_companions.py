@@ -1,0 +1,91 @@
+"""Learning beside frozen adaptations: it acts as the sum that is stacked later, and nothing of them learns."""
+
+import numpy as np
+import pytest
+import torch
+from policy_cases import adapt, disturb, observations
+from stable_baselines3 import PPO
+from toy_env import ToyEnv, ToyVectorEnv
+
+from sb3_adaptnet import AdaptNetPolicy, AdaptVecEnv, DiscriminatorRewardCallback, load_policy, save_adaptation
+from sb3_adaptnet.stacking import JoinedWorlds
+
+DISCRIMINATOR = {"batch_size": 32, "network": {"gru": 8, "hidden": [8], "heads": 4}}
+NUMBERS = np.array([2, 0, 1, 1, 0, 2])
+
+
+def worlds(heightmap=False):
+    return JoinedWorlds([AdaptVecEnv(ToyVectorEnv(2, heightmap)) for _ in range(3)])
+
+
+def learner(tiny_base, two_styles, heightmap=False, **choices):
+    return adapt(AdaptNetPolicy, worlds(heightmap), tiny_base, companions=[str(f) for f in two_styles], **choices)
+
+
+def batch(heightmap=False):
+    found = observations(heightmap=heightmap)
+    return {**(found if heightmap else {"observation": found}), "companion": NUMBERS}
+
+
+@pytest.mark.parametrize("heightmap", [False, True])
+def test_each_world_acts_as_the_stack_with_its_companion(heightmap, tiny_base, two_styles, tmp_path):
+    policy = learner(tiny_base, two_styles, heightmap).policy
+    disturb(policy.actor.adaptations)
+    together = policy.predict(batch(heightmap), deterministic=True)[0]
+    stacked = load_policy(save_adaptation(policy, tmp_path / "mine"), ToyEnv(heightmap=heightmap), base=tiny_base)
+    names = [stacked.add_adaptation(file) for file in two_styles]
+    apart = []
+    for name in (None, *names):
+        stacked.blend({"main": 1.0} if name is None else {"main": 1.0, name: 1.0})
+        apart.append(stacked.predict(observations(heightmap=heightmap), deterministic=True)[0])
+    expected = np.stack([apart[number][row] for row, number in enumerate(NUMBERS)])
+    np.testing.assert_allclose(together, expected, atol=1e-5)
+    assert len({tuple(actions[0]) for actions in apart}) == 3
+
+
+def test_what_a_companion_adds_to_the_latents_may_be_handed_back(tiny_base, two_styles):
+    policy = learner(tiny_base, two_styles).policy
+    disturb(policy.actor.adaptations)
+    obs = {key: torch.from_numpy(values) for key, values in batch().items()}
+    with torch.no_grad():
+        actions, _, old = policy(obs)
+        kept = policy.remembered
+        assert {key: values.shape for key, values in kept.items()} == {"base_code": (6, 8), "companion_offset": (6, 12)}
+        for given in (obs, obs | kept):
+            torch.testing.assert_close(policy.evaluate_actions(given, actions)[1], old, rtol=1e-5, atol=1e-5)
+        moved = obs | kept | {"companion_offset": kept["companion_offset"] + 1}
+        assert not torch.allclose(policy.evaluate_actions(moved, actions)[1], old)
+
+
+@pytest.mark.parametrize("heightmap", [False, True])
+def test_only_its_own_weights_learn_and_a_saved_model_goes_on(heightmap, tiny_base, two_styles, tmp_path):
+    model = learner(tiny_base, two_styles, heightmap)
+    before = {name: p.clone() for name, p in model.policy.actor.companions.named_parameters()}
+    callback = DiscriminatorRewardCallback(discriminator=DISCRIMINATOR)
+    model.learn(192, callback=callback)
+    assert before and all(torch.equal(p, before[n]) for n, p in model.policy.actor.companions.named_parameters())
+    assert any(p.abs().max() > 0 for p in model.policy.actor.adaptations["main"].adaptors.parameters())
+    model.save(tmp_path / "model")
+    again = PPO.load(tmp_path / "model", env=worlds(heightmap))
+    obs = batch(heightmap)
+    actions = [m.predict(obs, deterministic=True)[0] for m in (model, again)]
+    np.testing.assert_array_equal(*actions)
+    again.learn(192, callback=DiscriminatorRewardCallback(discriminator=DISCRIMINATOR))
+
+
+def test_the_number_of_companions_must_be_the_worlds(tiny_base, two_styles):
+    with pytest.raises(ValueError, match="there are 1 companions, but observations tell 2 apart"):
+        learner(tiny_base, two_styles[:1])
+    with pytest.raises(ValueError, match="there are 2 companions, but observations tell 0 apart"):
+        adapt(AdaptNetPolicy, ToyEnv(), tiny_base, companions=[str(f) for f in two_styles])
+    with pytest.raises(ValueError, match="there are 0 companions, but observations tell 2 apart"):
+        adapt(AdaptNetPolicy, worlds(), tiny_base)
+
+
+def test_a_companion_injects_where_all_do(tiny_base, tmp_path):
+    files = []
+    for name, injection in (("first", "z0"), ("second", "z1")):
+        torch.manual_seed(0)
+        files.append(save_adaptation(adapt(AdaptNetPolicy, ToyEnv(), tiny_base, injection=injection), tmp_path / name))
+    with pytest.raises(ValueError, match="injects into z0, not into 'z1'"):
+        learner(tiny_base, files)

@@ -1,0 +1,89 @@
+"""Worlds of several tasks as one batch: what the groups say, in order, and of which group each world is."""
+
+import numpy as np
+import pytest
+from gymnasium import spaces
+from stable_baselines3.common.monitor import Monitor
+from toy_env import ToyVectorEnv
+
+from sb3_adaptnet import AdaptVecEnv
+from sb3_adaptnet.objectives.attribute_ramp import set_in_worlds
+from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
+from sb3_adaptnet.stacking import JoinedWorlds, worlds_with_companions
+
+ICE = "AdaptNet/Humanoid-IceWalk-v0"
+
+
+def groups(heightmap=False):
+    return [AdaptVecEnv(ToyVectorEnv(count, heightmap)) for count in (3, 2, 1)]
+
+
+@pytest.mark.parametrize("heightmap", [False, True])
+def test_equals_its_groups_one_after_the_other(heightmap):
+    joined, apart, rng = JoinedWorlds(groups(heightmap)), groups(heightmap), np.random.default_rng(0)
+    joined.seed(7)
+    for number, group in enumerate(apart):
+        group.seed(7 + 1000 * number)
+    numbers = np.array([0, 0, 0, 1, 1, 2])
+    observations, expected, ended = joined.reset(), [group.reset() for group in apart], 0
+    for _ in range(50):
+        assert observations.keys() == joined.observation_space.spaces.keys()
+        np.testing.assert_array_equal(observations["companion"], numbers)
+        for key in observations.keys() - {"companion"}:
+            parts = [part[key] if heightmap else part for part in expected]
+            np.testing.assert_array_equal(observations[key], np.concatenate(parts))
+        actions = rng.uniform(-1, 1, (6, 28)).astype(np.float32)
+        observations, rewards, dones, infos = joined.step(actions)
+        stepped = [group.step(actions[numbers == number]) for number, group in enumerate(apart)]
+        expected = [step[0] for step in stepped]
+        np.testing.assert_array_equal(rewards, np.concatenate([step[1] for step in stepped]))
+        np.testing.assert_array_equal(dones, np.concatenate([step[2] for step in stepped]))
+        assert pose_windows(joined).shape[0] == 6
+        for world in np.flatnonzero(dones):
+            last = infos[world]["terminal_observation"]
+            assert last["companion"] == numbers[world] and last["observation"].shape == (784,)
+            assert joined.observation_space.contains({**last, "companion": np.int64(last["companion"])})
+            ended += 1
+    assert ended > 0
+    joined.close()
+
+
+def test_numbers_are_a_discrete_space_and_spaces_must_agree():
+    assert JoinedWorlds(groups()).observation_space["companion"] == spaces.Discrete(3)
+    with pytest.raises(ValueError, match="no worlds"):
+        JoinedWorlds([])
+    with pytest.raises(ValueError, match="cannot join"):
+        JoinedWorlds([groups()[0], groups(heightmap=True)[0]])
+
+
+def test_reference_windows_come_from_all_groups_in_proportion():
+    joined = JoinedWorlds(groups())
+    for number, group in enumerate(joined.groups):
+        group.vector_env.sample_reference_windows = lambda n, rng, k=number: np.full((n, 5, 15, 7), k, np.float32)
+    windows = reference_windows(joined, 6000, np.random.default_rng(0))
+    shares = np.bincount(windows[:, 0, 0, 0].astype(int)) / 6000
+    assert np.abs(shares - [3 / 6, 2 / 6, 1 / 6]).max() < 0.03
+
+
+def test_a_companion_brings_its_motion_and_speeds_and_the_first_group_is_twice_as_large():
+    worlds = worlds_with_companions(["walk-penguin", "walk-stoop"], env=ICE, num_envs=9, num_threads=1)
+    specs = [group.vector_env.unwrapped.worlds.spec for group in worlds.groups]
+    assert [group.num_envs for group in worlds.groups] == [5, 2, 2]
+    assert [spec.motion for spec in specs] == ["walk", "Penguin", "Stoop"]
+    assert [spec.speed_range for spec in specs] == [(1.0, 1.5), (0.51, 0.765), (0.743, 1.114)]
+    assert {spec.friction for spec in specs} == {0.15}
+    set_in_worlds(worlds, "goal_spread", np.linspace(0.1, 0.9, 9))
+    np.testing.assert_allclose(worlds.get_attr("goal_spread"), np.linspace(0.1, 0.9, 9))
+    assert worlds.env_is_wrapped(Monitor) == [True] * 9
+    worlds.close()
+
+
+def test_one_world_for_each_at_least():
+    worlds = worlds_with_companions(["walk-penguin"], env=ICE, num_envs=1, num_threads=1)
+    assert [group.num_envs for group in worlds.groups] == [1, 1]
+    worlds.close()
+
+
+def test_what_is_no_adaptation_is_no_companion():
+    with pytest.raises(ValueError, match="'walk' is a base"):
+        worlds_with_companions(["walk"], env=ICE, num_envs=4, num_threads=1)
