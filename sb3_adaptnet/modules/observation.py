@@ -21,6 +21,8 @@ COMPANION = "companion"
 """Key of the number of the frozen adaptation that acts beside what is learned; 0 is none."""
 COMPANION_OFFSET = "companion_offset"
 """Key under which a dict may hand back what the companion adds to the latents."""
+COMPANION_MEAN = "companion_mean"
+"""Key under which a dict may hand back the mean action of the base with the companion alone."""
 
 
 class Observation(NamedTuple):
@@ -34,6 +36,7 @@ class Observation(NamedTuple):
         base_code: (B, gru_size) what a frozen base's encoder makes of the frames, if it is known already, or None.
         companion: (B,) int64, which frozen adaptation acts beside what is learned, 0 for none; None where none can.
         companion_offset: (B, gru_size + goal_size) what the companions add to z0, if it is known already, or None.
+        companion_mean: (B, action_size) the mean action of the base with its companion alone, likewise.
     """
 
     frames: torch.Tensor
@@ -42,10 +45,15 @@ class Observation(NamedTuple):
     base_code: torch.Tensor | None = None
     companion: torch.Tensor | None = None
     companion_offset: torch.Tensor | None = None
+    companion_mean: torch.Tensor | None = None
 
     def remembered(self) -> dict[str, torch.Tensor]:
-        """What frozen networks made of it, as a dict hands it back: by the keys BASE_CODE and COMPANION_OFFSET."""
-        known = {BASE_CODE: self.base_code, COMPANION_OFFSET: self.companion_offset}
+        """What frozen networks made of it, by the keys under which a dict hands it back."""
+        known = {
+            BASE_CODE: self.base_code,
+            COMPANION_OFFSET: self.companion_offset,
+            COMPANION_MEAN: self.companion_mean,
+        }
         return {key: values for key, values in known.items() if values is not None}
 
 
@@ -76,7 +84,10 @@ def read_observation(
     split = split_observation(parts[FLAT].float(), architecture, heightmap)
     companion = parts[COMPANION].long() if COMPANION in parts else None
     return split._replace(
-        base_code=parts.get(BASE_CODE), companion=companion, companion_offset=parts.get(COMPANION_OFFSET)
+        base_code=parts.get(BASE_CODE),
+        companion=companion,
+        companion_offset=parts.get(COMPANION_OFFSET),
+        companion_mean=parts.get(COMPANION_MEAN),
     )
 
 

@@ -53,6 +53,7 @@ class AdaptNetPolicy(PolicyFromBase):
         alpha: float = 1.0,
         start: str | Path | None = None,
         companions: Sequence[str | Path] = (),
+        companion_kl: float = 0.01,
         **settings: Any,
     ) -> None:
         """Read the base and add an adaptation that does nothing yet, or does what another one does.
@@ -73,6 +74,7 @@ class AdaptNetPolicy(PolicyFromBase):
                 --start` is: PPO with an `actor_lr` of 1e-6 at first, SVG without `regression_updates`.
             companions: further adaptations of the base, names or files, frozen, of which the k-th acts in the worlds
                 whose observations say k, as those of `JoinedWorlds` do: what learns beside them can be stacked.
+            companion_kl: coefficient of the KL divergence from what base and companion do alone, which keeps them.
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, critic, optimizer_class,
                 optimizer_kwargs of `ObjectivePolicy`.
 
@@ -85,7 +87,7 @@ class AdaptNetPolicy(PolicyFromBase):
         if not injector and adaptors is None:
             raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
         self._shape = AdaptationShape(injection, own_encoder, adaptors, rank, injector)
-        self._penalties = Penalties(beta, kappa)
+        self._penalties = Penalties(beta, kappa, companion_kl)
         self.merged = False
         super().__init__(*args, **settings)
         self.alpha = alpha
@@ -116,13 +118,8 @@ class AdaptNetPolicy(PolicyFromBase):
             self.miss(f"there is no file {str(start)!r} of an adaptation to start from")
 
     def _remembering(self, observation: Observation) -> Observation:
-        actor = self.actor
         with autocast(self.device, self.precision):
-            observation = observation._replace(base_code=actor.base.code(observation.frames))
-            if actor.companions is None or observation.companion is None:
-                return observation
-            offset = actor.companions.offsets(observation, actor.base_latent(observation))
-        return observation._replace(companion_offset=offset)
+            return self.actor.remembering(observation)
 
     # -- run time (paper, sec. 8.1) ----------------------------------------------------------------------------------
 

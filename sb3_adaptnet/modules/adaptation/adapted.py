@@ -14,14 +14,19 @@ from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
 from sb3_adaptnet.modules.adaptation.companions import ActingCompanions, Companions
 from sb3_adaptnet.modules.backbone import Backbone
 from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
+from sb3_adaptnet.modules.layers.regularizers import penalise_distance
 from sb3_adaptnet.modules.observation import Observation
 
 
 class Penalties(NamedTuple):
-    """Coefficients of eq. 12: `beta` on the injection's norm, `kappa` on the adaptors' norm."""
+    """Coefficients of eq. 12: `beta` on the injection's norm, `kappa` on the adaptors' norm.
+
+    `companion_kl` is that of the KL divergence from what the companions do alone: how much of them may get lost.
+    """
 
     beta: float = 0.01
     kappa: float = 0.01
+    companion_kl: float = 0.0
 
 
 class AdaptedActor(Actor):
@@ -120,12 +125,41 @@ class AdaptedActor(Actor):
         An injection into Z1, Z2, ... is added where the adaptors' increment is: before the activation.
         """
         latent = self.base_latent(observation)
-        offsets = self.injections(observation, latent)
         beside = self._companions_of(observation, latent)
+        offsets = self.injections(observation, latent)
+        mean, log_std = self._heads(observation, latent, offsets, self.hidden_layers(), beside)
+        if beside is None or self.penalties.companion_kl == 0 or not torch.is_grad_enabled():
+            return mean, log_std
+        alone = observation.companion_mean
+        alone = self.companions_alone(observation) if alone is None else alone
+        return penalise_distance(mean, alone, log_std, self.penalties.companion_kl), log_std
+
+    def remembering(self, observation: Observation) -> Observation:
+        """The observation with what nothing that learns can change: the base's code, and what the companions do."""
+        observation = observation._replace(base_code=self.base.code(observation.frames))
+        if self.companions is None or observation.companion is None:
+            return observation
+        offset = self.companions.offsets(observation, self.base_latent(observation))
+        observation = observation._replace(companion_offset=offset)
+        if self.penalties.companion_kl == 0:
+            return observation
+        return observation._replace(companion_mean=self.companions_alone(observation))
+
+    @torch.no_grad()
+    def companions_alone(self, observation: Observation) -> torch.Tensor:
+        """Mean action (B, action_size) of the base with each row's companion, without what learns."""
+        latent = self.base_latent(observation)
+        layers = [(layer.weight, layer.bias) for layer in cast(list[nn.Linear], self.base.layers)]
+        return self._heads(observation, latent, {}, layers, self._companions_of(observation, latent))[0]
+
+    def _heads(
+        self, observation: Observation, latent: torch.Tensor, offsets: Mapping[int, torch.Tensor],
+        layers: Sequence[tuple[torch.Tensor, torch.Tensor]], beside: ActingCompanions | None,
+    ) -> tuple[torch.Tensor, torch.Tensor]:  # fmt: skip
         for offset in (offsets.get(0), None if beside is None else beside.offset):
             latent = latent if offset is None else latent + offset
         extra = self.base.first_bias(observation)
-        for space, (weight, bias) in enumerate(self.hidden_layers(), start=1):
+        for space, (weight, bias) in enumerate(layers, start=1):
             output = functional.linear(latent, weight, bias)
             theirs = None if beside is None else beside.output(space, latent, output)
             for term in (extra, offsets.get(space), theirs):

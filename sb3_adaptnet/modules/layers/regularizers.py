@@ -54,6 +54,25 @@ def penalise_injections(injections: dict[int, torch.Tensor], beta: float) -> dic
     return {space: add_gradient(x, scale) for space, x in injections.items()}
 
 
+def penalise_distance(
+    mean: torch.Tensor, other: torch.Tensor, log_std: torch.Tensor, coefficient: float
+) -> torch.Tensor:
+    """Penalty coefficient * the batch's mean KL divergence between Gaussians of the same standard deviations.
+
+    Args:
+        mean: (B, n) means that learn.
+        other: (B, n) means that they are drawn to.
+        log_std: (B, n) log standard deviations of both.
+        coefficient: 0.01 of a divergence of 1 weighs as much as 0.01 of an advantage.
+
+    Returns:
+        The means, with the penalty's gradient attached.
+    """
+    with torch.no_grad():
+        scale = (coefficient / max(len(mean), 1)) * torch.exp(-2.0 * log_std)
+    return other + add_gradient(mean - other, scale)
+
+
 def penalise_parameters(parameters: Sequence[torch.Tensor], kappa: float) -> list[torch.Tensor]:
     """Penalty kappa * ||eta||_2, the norm of all given parameters as one vector (eq. 12, third term).
 

@@ -50,11 +50,34 @@ def test_what_a_companion_adds_to_the_latents_may_be_handed_back(tiny_base, two_
     with torch.no_grad():
         actions, _, old = policy(obs)
         kept = policy.remembered
-        assert {key: values.shape for key, values in kept.items()} == {"base_code": (6, 8), "companion_offset": (6, 12)}
-        for given in (obs, obs | kept):
-            torch.testing.assert_close(policy.evaluate_actions(given, actions)[1], old, rtol=1e-5, atol=1e-5)
+        widths = {"base_code": 8, "companion_offset": 12, "companion_mean": 28}
+        assert {key: values.shape for key, values in kept.items()} == {key: (6, n) for key, n in widths.items()}
+    for given in (obs, obs | kept):
+        torch.testing.assert_close(policy.evaluate_actions(given, actions)[1], old, rtol=1e-5, atol=1e-5)
+    with torch.no_grad():
         moved = obs | kept | {"companion_offset": kept["companion_offset"] + 1}
         assert not torch.allclose(policy.evaluate_actions(moved, actions)[1], old)
+
+
+def test_it_is_drawn_to_what_its_companions_do_alone(tiny_base, two_styles):
+    """Nothing else has a gradient here: PPO's loss of advantages of 0."""
+    policy = learner(tiny_base, two_styles, companion_kl=0.5, beta=0.0, kappa=0.0).policy
+    obs = {key: torch.from_numpy(values) for key, values in batch().items()}
+    alone = policy.get_distribution(obs).distribution.mean.detach()
+    disturb(policy.actor.adaptations)
+    with torch.no_grad():
+        torch.testing.assert_close(policy.actor.companions_alone(policy._split(obs)), alone)
+    (0.0 * policy.get_distribution(obs).distribution.mean).sum().backward()
+    found = [p.grad for p in policy.actor.adaptations.parameters()]
+    policy.zero_grad()
+    policy.actor.penalties = policy.actor.penalties._replace(companion_kl=0.0)
+    distribution = policy.get_distribution(obs).distribution
+    there = torch.distributions.Normal(alone, distribution.stddev.detach())
+    here = torch.distributions.Normal(distribution.mean, distribution.stddev.detach())
+    (0.5 * torch.distributions.kl_divergence(here, there).sum(dim=1).mean()).backward()
+    for gradient, parameter in zip(found, policy.actor.adaptations.parameters(), strict=True):
+        torch.testing.assert_close(gradient, parameter.grad, rtol=1e-4, atol=1e-6)
+    assert max(gradient.abs().max() for gradient in found) > 1e-3
 
 
 @pytest.mark.parametrize("heightmap", [False, True])
