@@ -53,7 +53,7 @@ class AdaptNetPolicy(PolicyFromBase):
         alpha: float = 1.0,
         start: str | Path | None = None,
         companions: Sequence[str | Path] = (),
-        companion_kl: float = 0.01,
+        companion_kl: float = 5.0,
         **settings: Any,
     ) -> None:
         """Read the base and add an adaptation that does nothing yet, or does what another one does.
@@ -74,7 +74,7 @@ class AdaptNetPolicy(PolicyFromBase):
                 --start` is: PPO with an `actor_lr` of 1e-6 at first, SVG without `regression_updates`.
             companions: further adaptations of the base, names or files, frozen, of which the k-th acts in the worlds
                 whose observations say k, as those of `JoinedWorlds` do: what learns beside them can be stacked.
-            companion_kl: coefficient of the KL divergence from what base and companion do alone, which keeps them.
+            companion_kl: how far the actions may be from what base and companion do alone, at no cost [nat].
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, critic, optimizer_class,
                 optimizer_kwargs of `ObjectivePolicy`.
 

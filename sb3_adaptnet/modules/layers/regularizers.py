@@ -11,6 +11,9 @@ import torch
 from torch import nn
 from torch.autograd.function import once_differentiable
 
+DISTANCE_COST = 0.01
+"""What a nat beyond the free ones costs, in advantages, which are standardised: 0.003 of every nat slowed learning."""
+
 
 class _AddGradient(torch.autograd.Function):
     @staticmethod
@@ -54,22 +57,22 @@ def penalise_injections(injections: dict[int, torch.Tensor], beta: float) -> dic
     return {space: add_gradient(x, scale) for space, x in injections.items()}
 
 
-def penalise_distance(
-    mean: torch.Tensor, other: torch.Tensor, log_std: torch.Tensor, coefficient: float
-) -> torch.Tensor:
-    """Penalty coefficient * the batch's mean KL divergence between Gaussians of the same standard deviations.
+def penalise_distance(mean: torch.Tensor, other: torch.Tensor, log_std: torch.Tensor, free: float) -> torch.Tensor:
+    """Penalty 0.01 * the batch's mean of max(KL - free, 0), KL of Gaussians with the same standard deviations.
 
     Args:
         mean: (B, n) means that learn.
-        other: (B, n) means that they are drawn to.
+        other: (B, n) means that they must stay near.
         log_std: (B, n) log standard deviations of both.
-        coefficient: 0.01 of a divergence of 1 weighs as much as 0.01 of an advantage.
+        free: how much divergence [nat] costs nothing.
 
     Returns:
         The means, with the penalty's gradient attached.
     """
     with torch.no_grad():
-        scale = (coefficient / max(len(mean), 1)) * torch.exp(-2.0 * log_std)
+        precision = torch.exp(-2.0 * log_std)
+        divergence = 0.5 * ((mean - other).square() * precision).sum(dim=1, keepdim=True)
+        scale = (DISTANCE_COST / max(len(mean), 1)) * precision * (divergence > free)
     return other + add_gradient(mean - other, scale)
 
 
