@@ -82,7 +82,7 @@ def read_observation(
     parts = parts_of(observations)
     heightmap = parts[HEIGHTMAP].float() if HEIGHTMAP in parts else None
     split = split_observation(parts[FLAT].float(), architecture, heightmap)
-    companion = parts[COMPANION].long() if COMPANION in parts else None
+    companion = parts[COMPANION].long().flatten() if COMPANION in parts else None  # SB3's buffer has (B, 1)
     return split._replace(
         base_code=parts.get(BASE_CODE),
         companion=companion,

@@ -99,6 +99,11 @@ def test_only_its_own_weights_learn_and_a_saved_model_goes_on(heightmap, tiny_ba
     again.learn(192, callback=DiscriminatorRewardCallback(discriminator=DISCRIMINATOR))
 
 
+def test_stock_ppo_learns_beside_companions_without_the_callback(tiny_base, two_styles):
+    model = learner(tiny_base, two_styles).learn(192)
+    assert any(p.abs().max() > 0 for p in model.policy.actor.adaptations["main"].adaptors.parameters())
+
+
 def test_the_number_of_companions_must_be_the_worlds(tiny_base, two_styles):
     with pytest.raises(ValueError, match="there are 1 companions, but observations tell 2 apart"):
         learner(tiny_base, two_styles[:1])
