@@ -31,7 +31,8 @@ sb3_adaptnet.weights
 sb3_adaptnet.world_model
 sb3_adaptnet.world_model.fitting
 sb3_adaptnet.policies  sb3_adaptnet.vec_env
-sb3_adaptnet.objectives  sb3_adaptnet.stacking
+sb3_adaptnet.stacking
+sb3_adaptnet.objectives
 sb3_adaptnet.algorithms.tracking
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs

@@ -161,6 +161,8 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec |
         "callbacks": [{cls.__name__: kwargs} for cls, kwargs in entry.callbacks],
         TRAINING_MEANS: means_of(read_rows(folder.progress, samples)[-LAST_ROLLOUTS:]),
     }
+    if entry.env_kwargs:
+        training["env_kwargs"] = entry.env_kwargs
     if spec is not None and (spec.terrain is not None or spec.obstacles is not None):
         training["terrain_seed"] = spec.terrain_seed
     return {"environment": settings.env_id, "training": training}

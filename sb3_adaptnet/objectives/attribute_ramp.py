@@ -9,6 +9,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
 from sb3_adaptnet.objectives.rollout_log import CONTROL_HZ, is_fall
+from sb3_adaptnet.stacking import JoinedWorlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
@@ -108,7 +109,7 @@ def set_in_worlds(env: VecEnv, attribute: str, values: float | NDArray[np.floati
         attribute: its name.
         values: one for all of the N worlds, or (N,).
     """
-    if isinstance(env.unwrapped, AdaptVecEnv):
+    if isinstance(env.unwrapped, AdaptVecEnv | JoinedWorlds):
         env.set_attr(attribute, values)
         return
     for world, value in enumerate(np.broadcast_to(values, env.num_envs)):

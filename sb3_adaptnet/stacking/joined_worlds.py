@@ -81,14 +81,26 @@ class JoinedWorlds(VecEnv):
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:
-        """Windows (N, 5, 15, 7) of the transition just made, before autoreset: position [m], quaternion wxyz."""
-        return np.concatenate([group.pose_windows for group in self.groups])
+        """Windows (N, 5, 15 + k, 7) of the transition just made, before autoreset: position [m], quaternion wxyz.
+
+        The last k links stand for none: their numbers are 1 at the group's and 0 elsewhere, so that discriminators
+        tell the groups apart and compare each with its own clip.
+        """
+        return self._marked(np.concatenate([group.pose_windows for group in self.groups]), self._numbers)
 
     def sample_reference_windows(self, count: int, rng: np.random.Generator) -> NDArray[np.float32]:
-        """Sample windows (count, 5, 15, 7) of the groups' clips, of each in proportion to its worlds."""
-        shares = np.bincount(self._numbers[rng.integers(self.num_envs, size=count)], minlength=len(self.groups))
-        drawn = zip(self.groups, shares, strict=True)
-        return np.concatenate([group.sample_reference_windows(int(share), rng) for group, share in drawn if share])
+        """Sample windows (count, 5, 15 + k, 7) of the groups' clips, of each in proportion to its worlds."""
+        numbers = np.sort(self._numbers[rng.integers(self.num_envs, size=count)])
+        drawn = zip(self.groups, np.bincount(numbers, minlength=len(self.groups)), strict=True)
+        windows = [group.sample_reference_windows(int(share), rng) for group, share in drawn if share]
+        return self._marked(np.concatenate(windows), numbers)
+
+    def _marked(self, windows: NDArray[np.float32], numbers: NDArray[np.integer]) -> NDArray[np.float32]:
+        samples, frames, _, width = windows.shape
+        marks = np.zeros((samples, -(-len(self.groups) // width) * width), np.float32)
+        marks[np.arange(samples), numbers] = 1.0
+        shape = (samples, frames, marks.shape[1] // width, width)
+        return np.concatenate([windows, np.broadcast_to(marks.reshape(samples, 1, -1, width), shape)], axis=2)
 
     def close(self) -> None:
         """Free the worlds."""

@@ -20,7 +20,8 @@ from stable_baselines3 import PPO
 from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.runs.experiment import Experiment, experiment
-from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.runs.run_folder import RunSettings
+from sb3_adaptnet.runs.worlds import make_worlds
 
 PARTS = ("act", "simulate", "discriminators", "imitation_reward", "update", "other")
 """What an iteration's time is divided into."""
@@ -110,7 +111,7 @@ class _Bench:
     """A model whose parts are timed."""
 
     def __init__(self, entry: Experiment, worlds: int, threads: int | None, plain: bool) -> None:
-        env: Any = AdaptVecEnv(entry.env_id, worlds, threads, seed=0, stagger=True, **entry.env_kwargs)
+        env: Any = make_worlds(RunSettings(entry.env_id, samples=1, n_envs=worlds, threads=threads), entry, seed=0)
         given = entry.arguments
         settings = {**given, "policy_kwargs": {**given["policy_kwargs"], **(PLAIN if plain else {})}}
         self.model: Any = PPO(entry.policy, env, seed=0, **settings)

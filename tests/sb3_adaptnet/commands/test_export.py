@@ -25,6 +25,13 @@ def test_the_card_names_the_terrain_that_was_trained_on(tmp_path, name, seed):
     worlds.close()
 
 
+def test_the_card_names_what_the_worlds_were_asked_for(tmp_path):
+    settings = RunSettings("AdaptNet/Humanoid-Walk-v0", samples=1, n_envs=1, threads=1, algo="svg")
+    asked = card_of(RunFolder(tmp_path, settings), experiment(settings.env_id, algo="svg"), 10, None)
+    assert asked["training"]["env_kwargs"] == {"speed_range": [0.4, 1.5]}
+    assert "env_kwargs" not in card_of(RunFolder(tmp_path, settings), experiment(settings.env_id), 10, None)["training"]
+
+
 def test_means_say_over_how_many_rollouts_they_are():
     rows = [{"samples": n, "goal_reward": 0.1 * n, "falls_per_minute": 2.0} for n in range(4)]
     assert means_of(rows) == {"rollouts": 4, "goal_reward": 0.15, "falls_per_minute": 2.0}

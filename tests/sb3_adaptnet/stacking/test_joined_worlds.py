@@ -63,6 +63,20 @@ def test_reference_windows_come_from_all_groups_in_proportion():
     windows = reference_windows(joined, 6000, np.random.default_rng(0))
     shares = np.bincount(windows[:, 0, 0, 0].astype(int)) / 6000
     assert np.abs(shares - [3 / 6, 2 / 6, 1 / 6]).max() < 0.03
+    assert windows.shape == (6000, 5, 16, 7)
+    np.testing.assert_array_equal(windows[:, :, 15].argmax(axis=-1), windows[:, :, 0, 0])
+    np.testing.assert_array_equal(windows[:, :, 15].sum(axis=-1), 1.0)
+
+
+def test_windows_say_of_which_group_they_are():
+    joined = JoinedWorlds([AdaptVecEnv(ToyVectorEnv(1)) for _ in range(9)])
+    joined.reset()
+    marks = pose_windows(joined)[:, :, 15:]
+    assert marks.shape == (9, 5, 2, 7)
+    np.testing.assert_array_equal(marks.reshape(9, 5, 14)[:, 0, :9], np.eye(9))
+    np.testing.assert_array_equal(
+        pose_windows(joined)[:, :, :15], np.concatenate([g.pose_windows for g in joined.groups])
+    )
 
 
 def test_a_companion_brings_its_motion_and_speeds_and_the_first_group_is_twice_as_large():
