@@ -81,7 +81,7 @@ class AdaptNetPolicy(PolicyFromBase):
         Raises:
             ValueError: for an unknown choice, if there would be nothing to train, or if the observations tell another
                 number of companions apart.
-            CheckpointError: if the base or the start cannot be read, or the start adapts another base. A file that is
+            CheckpointError: if base, start or a companion cannot be read, or adapts another base. A file that is
                 missing only fails when the policy first acts, as in `PolicyFromBase`.
         """
         if not injector and adaptors is None:

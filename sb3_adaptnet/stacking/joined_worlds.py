@@ -132,7 +132,7 @@ class JoinedWorlds(VecEnv):
         return [values[i] for i in self._get_indices(indices)]
 
 
-def worlds_with_companions(companions: Sequence[str | Path], num_envs: int = 520, **kwargs: Any) -> JoinedWorlds:
+def worlds_with_companions(companions: Sequence[str | Path], num_envs: int = 512, **kwargs: Any) -> JoinedWorlds:
     """Worlds to learn in beside adaptations of the same base.
 
     Args:
@@ -143,8 +143,10 @@ def worlds_with_companions(companions: Sequence[str | Path], num_envs: int = 520
         **kwargs: arguments of `AdaptVecEnv`, such as env="AdaptNet/Humanoid-IceWalk-v0".
 
     Raises:
-        CheckpointError, ValueError: as `part_of`.
+        CheckpointError, ValueError: as `part_of`, or if the companions are no list of names and files.
     """
+    if not isinstance(companions, list | tuple) or not all(isinstance(name, str | Path) for name in companions):
+        raise ValueError(f"companions are {companions!r}, expected a list of adaptations' names or files")
     size = max(num_envs // (len(companions) + 2), 1)
     groups = [AdaptVecEnv(**kwargs, num_envs=max(num_envs - size * len(companions), 1))]
     groups += [AdaptVecEnv(**{**kwargs, **part_of(name).changes}, num_envs=size) for name in companions]

@@ -98,6 +98,16 @@ def test_one_world_for_each_at_least():
     worlds.close()
 
 
-def test_what_is_no_adaptation_is_no_companion():
-    with pytest.raises(ValueError, match="'walk' is a base"):
-        worlds_with_companions(["walk"], env=ICE, num_envs=4, num_threads=1)
+@pytest.mark.parametrize(
+    "companions, complaint",
+    [
+        (["walk"], "'walk' is a base"),
+        (["walk-moonwalk"], "no pretrained weights named 'walk-moonwalk'"),
+        ("walk-penguin", "companions are 'walk-penguin', expected a list"),
+        (["walk-penguin", 3], "expected a list of adaptations' names or files"),
+        (["walk-terrainhills"], "cannot join"),
+    ],
+)
+def test_what_is_no_companion_is_named(companions, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        worlds_with_companions(companions, env=ICE, num_envs=4, num_threads=1)
