@@ -40,6 +40,8 @@ class TaskSpec:
         obstacles: how blocks are laid out, or the layout's name in `OBSTACLES`; None for free ground.
         heightmap: whether the observation holds a heightmap of the ground around the character.
         push: when and how hard the character is pushed; None for never.
+        clip_on_body: whether reference windows show the clip on this body, with its joint angles, and not on the plain
+            character (paper, sec. 8.2: motions are not retargeted).
     """
 
     motion: str
@@ -55,6 +57,7 @@ class TaskSpec:
     obstacles: str | ObstacleField | None = None
     heightmap: bool = False
     push: PushSchedule | None = None
+    clip_on_body: bool = False
 
 
 _STYLE_WORDS = {

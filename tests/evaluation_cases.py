@@ -37,10 +37,10 @@ def save_tiny_adaptation(base, name, seed=0):
     return save_adaptation(policy, base.with_name(name), environment=STOOP)
 
 
-def recording_of(*motions, restarts=()):
-    """A recording of one world per motion (T, nq); `restarts` are (step, world)."""
+def recording_of(*motions, restarts=(), body=None):
+    """A recording of one world per motion (T, nq) of a body; `restarts` are (step, world)."""
     qpos = np.stack(motions, axis=1)
-    kinematics = Kinematics(compile_model())
+    kinematics = Kinematics(compile_model() if body is None else body)
     links = np.stack([kinematics.link_states(motion) for motion in motions], axis=1)
     steps, worlds = len(qpos) - 1, len(motions)
     ended = np.zeros((steps, worlds), bool)

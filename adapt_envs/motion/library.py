@@ -16,8 +16,8 @@ from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import build_character, compile_model, plain_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.model.morphology import Morphology
-from adapt_envs.model.soles import lowest_corner
 from adapt_envs.motion.clip import MotionClip, MotionError, velocities
+from adapt_envs.motion.on_body import joint_names, on_body
 
 BASES = ("walk", "run")
 """Clips of minutes that bases are trained on."""
@@ -88,19 +88,19 @@ class _Frames:
 class ReferenceMotion:
     """Start states and pose windows of clips, for one character.
 
-    The windows are always the unmodified character's; the start states are `model`'s: missing joints are left out, and
-    the feet of other legs are put where the clip's were (paper, sec. 8.2: motions are not retargeted).
+    The windows are the unmodified character's unless asked otherwise (paper, sec. 8.2: motions are not retargeted); the
+    start states are `model`'s: missing joints are left out, and the feet of other legs are put where the clip's were.
     """
 
-    def __init__(self, clips: Sequence[MotionClip], model: mujoco.MjModel) -> None:
-        """Prepare `clips` for `model`.
+    def __init__(self, clips: Sequence[MotionClip], model: mujoco.MjModel, windows_on_body: bool = False) -> None:
+        """Prepare `clips` for `model`; `windows_on_body` says whether windows are those of start states, too.
 
         Raises:
             MotionError: if a clip does not know one of the model's joints.
         """
         self.clips = tuple(clips)
-        self.model = model
-        self.joint_names = tuple(model.actuator(i).name for i in range(model.nu))
+        self.model, self._windows_on_body = model, windows_on_body
+        self.joint_names = joint_names(model)
         for clip in clips:
             missing = [joint for joint in self.joint_names if joint not in clip.joint_names]
             if missing:
@@ -114,17 +114,12 @@ class ReferenceMotion:
 
     @cached_property
     def _qpos(self) -> NDArray[np.float64]:
-        qpos = self._clip_qpos[:, self._columns(7)]
-        qpos[:, 2] += _lowest_foot(plain_model(), self._clip_qpos) - _lowest_foot(self.model, qpos)
-        return qpos
+        return on_body(self._clip_qpos, self.clips[0].joint_names, self.model)
 
     @cached_property
     def _qvel(self) -> NDArray[np.float64]:
-        return self._clip_qvel[:, self._columns(6)]
-
-    def _columns(self, root: int) -> list[int]:
         names = self.clips[0].joint_names
-        return [*range(root), *(root + names.index(joint) for joint in self.joint_names)]
+        return self._clip_qvel[:, [*range(6), *(6 + names.index(joint) for joint in self.joint_names)]]
 
     @cached_property
     def _links(self) -> NDArray[np.float32]:
@@ -132,7 +127,8 @@ class ReferenceMotion:
 
     @cached_property
     def _windows(self) -> NDArray[np.float32]:
-        links = Kinematics(plain_model()).link_states(self._clip_qpos, self._clip_qvel)
+        plain = Kinematics(plain_model())
+        links = self._links if self._windows_on_body else plain.link_states(self._clip_qpos, self._clip_qvel)
         return pose_windows(heading_frame_features(links[self._valid[:, None] + np.arange(-_PAST, 1)]))
 
     @property
@@ -177,20 +173,17 @@ class ReferenceMotion:
 
 
 def reference_motion(
-    name_or_file: str, morphology: Morphology | None = None, locked: tuple[str, ...] = ()
+    name_or_file: str, morphology: Morphology | None = None, locked: tuple[str, ...] = (), windows_on_body: bool = False
 ) -> ReferenceMotion:
     """The reference motion of a clip (see `load_clip`) for the character with another shape or without some joints.
 
     Many environments share one; it never changes.
     """
-    return _reference_motion(_version(name_or_file), morphology, locked)
+    return _reference_motion(_version(name_or_file), morphology, locked, windows_on_body)
 
 
 @lru_cache(maxsize=16)
-def _reference_motion(version: _Version, morphology: Morphology | None, locked: tuple[str, ...]) -> ReferenceMotion:
-    return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)))
-
-
-def _lowest_foot(model: mujoco.MjModel, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(T,) height [m] of the lowest corner of the feet in configurations (T, nq)."""
-    return lowest_corner(model, Kinematics(model).link_states(qpos))
+def _reference_motion(
+    version: _Version, morphology: Morphology | None, locked: tuple[str, ...], windows_on_body: bool
+) -> ReferenceMotion:
+    return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)), windows_on_body)

@@ -57,7 +57,7 @@ class Worlds:
             entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed
         )
         self.model = self.compiled(self.ground)
-        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked))
+        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked), spec.clip_on_body)
         self.physics = PhysicsBatch(self.model, num_worlds, num_threads)
         self.goals = Goals(num_worlds, self.ground, speeds, spec.timer_range)
         self.pushes = None if spec.push is None else Pushes(spec.push, num_worlds)

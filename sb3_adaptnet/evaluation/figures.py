@@ -95,7 +95,7 @@ def figures_of(
 ) -> Figures:
     """Figures of two recordings of the worlds `env`; for `base_error` see `style_figures`."""
     clip = env.worlds.reference.clips[0]
-    error = imitation_error(straight, clip)
+    error = imitation_error(straight, clip, body=env.worlds.reference.model)
     sliding = slips(free, env)
     median, high = np.percentile(sliding, [50, 90]) if len(sliding) else (None, None)
     return Figures(

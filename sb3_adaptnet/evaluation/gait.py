@@ -6,16 +6,16 @@ A policy and its clip are measured by the same functions, on link states alone.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.features import rotations
-from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import FEET, LINKS
 from adapt_envs.model.soles import TOUCHING, sole_corners
 from adapt_envs.motion.clip import FPS, MotionClip
-from sb3_adaptnet.evaluation.imitation_error import local_positions
+from sb3_adaptnet.evaluation.imitation_error import Reference, local_positions
 
 Floor = Callable[[NDArray[np.floating]], NDArray[np.floating]]
 """Heights (...) [m] of the ground at points (..., 2) [m]."""
@@ -127,11 +127,14 @@ def _likeness(signals: Sequence[NDArray[np.floating]], lag: int, looped: bool) -
     return product / power if power > 0 else -1.0
 
 
-def clip_gait(clip: MotionClip, speed: float) -> Gait:
-    """The gait of a clip: of its period if it repeats, else of its straight stretches of 4 s at about `speed` [m/s]."""
+def clip_gait(clip: MotionClip, speed: float, body: mujoco.MjModel | None = None) -> Gait:
+    """The gait of a clip: of its period if it repeats, else of its straight stretches of 4 s at about `speed` [m/s].
+
+    Shown by `body` with the clip's joint angles, or by the plain character.
+    """
     pieces = [clip.qpos[: clip.period]] if clip.cyclic else _pieces_at(clip, speed)
-    kinematics = Kinematics(compile_model())
-    return gait_of([kinematics.link_states(piece) for piece in pieces], looped=clip.cyclic)
+    reference = Reference.of(clip, body)
+    return gait_of([reference.links(piece) for piece in pieces], sole_corners(reference.body), looped=clip.cyclic)
 
 
 def _pieces_at(clip: MotionClip, speed: float) -> list[NDArray[np.float64]]:

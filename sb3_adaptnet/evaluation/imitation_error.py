@@ -8,16 +8,19 @@ as far as it goes in that time, and drift over a whole rollout does not.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.features.heading_frame import heading_frame_features
 from adapt_envs.features.kinematics import Kinematics
-from adapt_envs.model.build import compile_model
+from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.motion.on_body import joint_names, on_body
 from sb3_adaptnet.evaluation.recording import Recording, Segment
 from sb3_adaptnet.evaluation.warping import match
 
@@ -59,27 +62,40 @@ def local_positions(links: NDArray[np.float32], floor: NDArray[np.float32] | flo
 
 @dataclass(frozen=True)
 class Reference:
-    """A clip to compare with.
+    """A clip to compare with, as a body shows it that has the clip's joint angles.
 
     Attributes:
-        positions: (P, 15, 3) link positions [m] of its frames, of one period if it repeats; heading frame.
-        cyclic: whether it repeats.
+        clip: the clip.
+        body: the character that shows it.
     """
 
-    positions: NDArray[np.float32]
-    cyclic: bool
+    clip: MotionClip
+    body: mujoco.MjModel
 
     @classmethod
-    def of(cls, clip: MotionClip) -> "Reference":
-        """The reference that a clip is.
+    def of(cls, clip: MotionClip, body: mujoco.MjModel | None = None) -> "Reference":
+        """The reference that a clip is for a body, or for the plain character.
 
         Raises:
             ValueError: if the clip is for a character with other joints.
         """
-        model = compile_model()
-        if tuple(model.actuator(i).name for i in range(model.nu)) != clip.joint_names:
+        if joint_names(plain_model()) != clip.joint_names:
             raise ValueError(f"clip {clip.name!r} is for a character with other joints")
-        return cls(local_positions(Kinematics(model).link_states(clip.qpos[: clip.period])), clip.cyclic)
+        return cls(clip, plain_model() if body is None else body)
+
+    @property
+    def cyclic(self) -> bool:
+        """Whether it repeats."""
+        return self.clip.cyclic
+
+    def links(self, qpos: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Link states (T, 15, 13), world frame, of configurations (T, nq) of the clip."""
+        return Kinematics(self.body).link_states(on_body(qpos, self.clip.joint_names, self.body))
+
+    @cached_property
+    def positions(self) -> NDArray[np.float32]:
+        """Link positions (P, 15, 3) [m] of its frames, of one period if it repeats; heading frame."""
+        return local_positions(self.links(self.clip.qpos[: self.clip.period]))
 
     def window(self, frames: int) -> int:
         """How many of `frames` frames can be matched at once: no more than a clip has that does not repeat."""
@@ -130,13 +146,16 @@ def settled(recording: Recording) -> Iterator[Segment]:
             yield Segment(world, start + settling, stop)
 
 
-def matches(recording: Recording, clip: MotionClip, tempo: Tempo = FREE) -> list[Match]:
+def matches(
+    recording: Recording, clip: MotionClip, tempo: Tempo = FREE, body: mujoco.MjModel | None = None
+) -> list[Match]:
     """The frames of all settled stretches against those of the clip that time warping matches.
 
+    The clip is the one that `body`, the recorded character, shows with the clip's joint angles; None for the plain one.
     Stretches longer than a clip that does not repeat are matched in windows of its length. Of the bases' clips of
     minutes, which hold many speeds and turns, the stretch that is most alike counts.
     """
-    reference, found = Reference.of(clip), []
+    reference, found = Reference.of(clip, body), []
     for world, start, end in settled(recording):
         window = reference.window(end - start)
         frames = reference.looped(window)
@@ -149,15 +168,18 @@ def matches(recording: Recording, clip: MotionClip, tempo: Tempo = FREE) -> list
     return found
 
 
-def imitation_error(recording: Recording, clip: MotionClip, tempo: Tempo = FREE) -> ImitationError:
+def imitation_error(
+    recording: Recording, clip: MotionClip, tempo: Tempo = FREE, body: mujoco.MjModel | None = None
+) -> ImitationError:
     """The error of worlds that go straight ahead, without the first 2 s after every start.
 
     Args:
         recording: of `record_straight` at the clip's speed.
         clip: the reference.
         tempo: bounds of the time warping.
+        body: the recorded character, which shows the clip; None for the plain one.
     """
-    return mean_error(matches(recording, clip, tempo))
+    return mean_error(matches(recording, clip, tempo, body))
 
 
 def mean_error(found: Sequence[Match]) -> ImitationError:
@@ -168,18 +190,21 @@ def mean_error(found: Sequence[Match]) -> ImitationError:
     return ImitationError(float(values.mean()), float(values.std()), len(values))
 
 
-def world_error(recording: Recording, clip: MotionClip, found: Sequence[Match]) -> float | None:
+def world_error(
+    recording: Recording, clip: MotionClip, found: Sequence[Match], body: mujoco.MjModel | None = None
+) -> float | None:
     """Mean distance [m] of the links from the clip's in world space; None if there are no matches.
 
     Args:
         recording: of `record_straight` at the clip's speed.
         clip: the reference.
         found: the recording's frames matched to the clip's (`matches`).
+        body: the recorded character, which shows the clip; None for the plain one.
     """
-    kinematics, up, errors = Kinematics(compile_model()), np.array([0, 0, 1], np.float32), []
+    reference, up, errors = Reference.of(clip, body), np.array([0, 0, 1], np.float32), []
     for (world, start, stop), frames, _ in found:
         here = recording.links[start:stop, world, :, :3] - recording.floor[start:stop, world, None, None] * up
-        there = kinematics.link_states(clip.at(frames))[..., :3]
+        there = reference.links(clip.at(frames))[..., :3]
         errors += [
             aligned_errors(here[i : i + _ALIGNED], there[i : i + _ALIGNED]) for i in range(0, len(here), _ALIGNED)
         ]

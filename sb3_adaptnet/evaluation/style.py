@@ -80,15 +80,15 @@ def tempo_error_of_base(
         progress: wraps the step numbers.
         base: another base.
     """
-    clip = env.worlds.reference.clips[0]
+    clip, body = env.worlds.reference.clips[0], env.worlds.reference.model
     straight = record_base(policy, env, seed, progress, base) if is_style(clip) else None
-    return None if straight is None else imitation_error(straight, clip, BOUNDED).mean
+    return None if straight is None else imitation_error(straight, clip, BOUNDED, body).mean
 
 
 def style_figures(
     env: AdaptVectorEnv, straight: Recording, base_error: float | None = None, expected: Gait | None = None
 ) -> StyleFigures:
-    """Measure a recording of worlds that go straight ahead.
+    """Measure a recording of worlds that go straight ahead, beside their clip as their own body shows it.
 
     Args:
         env: the worlds.
@@ -96,11 +96,11 @@ def style_figures(
         base_error: tempo-bounded error of the base [m]; None if there is no base to compare with.
         expected: the clip's gait, if it is known already.
     """
-    clip = env.worlds.reference.clips[0]
-    expected = expected or clip_gait(clip, reference_speed(env))
+    clip, body = env.worlds.reference.clips[0], env.worlds.reference.model
+    expected = expected or clip_gait(clip, reference_speed(env), body)
     stretches = [straight.links[start:stop, world] for world, start, stop in settled(straight)]
     found = gait_of(stretches, sole_corners(env.worlds.model), env.worlds.ground.floor_at)
-    matched = matches(straight, clip, BOUNDED)
+    matched = matches(straight, clip, BOUNDED, body)
     error = mean_error(matched).mean
     failed = failed_tests(found, expected, error, base_error) if is_style(clip) else ()
     return StyleFigures(
@@ -114,7 +114,7 @@ def style_figures(
         clip_flight_share=rounded(expected.flight_share),
         tempo_error_m=rounded(error),
         base_tempo_error_m=rounded(base_error),
-        world_error_m=rounded(world_error(straight, clip, matched)),
+        world_error_m=rounded(world_error(straight, clip, matched, body)),
     )
 
 

@@ -86,7 +86,7 @@ class _StyleWorlds:
         if not isinstance(worlds, AdaptVectorEnv):
             return None
         env = AdaptVectorEnv(worlds.worlds.spec, WORLDS, max_episode_steps=None, num_threads=1)
-        expected = clip_gait(env.worlds.reference.clips[0], reference_speed(env))
+        expected = clip_gait(env.worlds.reference.clips[0], reference_speed(env), env.worlds.reference.model)
         return cls(env, expected, tempo_error_of_base(policy, env, seed), seed)
 
     def measure(self, policy: Any) -> dict[str, Any]:

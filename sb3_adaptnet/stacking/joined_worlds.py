@@ -140,7 +140,9 @@ def worlds_with_companions(companions: Sequence[str | Path], num_envs: int = 512
             learns acts alone, too. Then comes one for each, with what it changes of its base's world: a style brings
             its motion and its speeds.
         num_envs: number of all worlds, at least one for each group; what is left over joins the first.
-        **kwargs: arguments of `AdaptVecEnv`, such as env="AdaptNet/Humanoid-IceWalk-v0".
+        **kwargs: arguments of `AdaptVecEnv`, such as env="AdaptNet/Humanoid-IceWalk-v0". Reference windows show the
+            clips on these worlds' body unless `clip_on_body=False`: what a style's links should do with longer legs,
+            the plain character's do not say.
 
     Raises:
         CheckpointError, ValueError: as `part_of`, or if the companions are no list of names and files.
@@ -148,6 +150,7 @@ def worlds_with_companions(companions: Sequence[str | Path], num_envs: int = 512
     if not isinstance(companions, list | tuple) or not all(isinstance(name, str | Path) for name in companions):
         raise ValueError(f"companions are {companions!r}, expected a list of adaptations' names or files")
     size = max(num_envs // (len(companions) + 2), 1)
+    kwargs = {"clip_on_body": True, **kwargs}
     groups = [AdaptVecEnv(**kwargs, num_envs=max(num_envs - size * len(companions), 1))]
     groups += [AdaptVecEnv(**{**kwargs, **part_of(name).changes}, num_envs=size) for name in companions]
     return JoinedWorlds(groups)

@@ -135,7 +135,8 @@ def _cell(
     if pair.first.kind == "style":
         clip = env.worlds.reference.clips[0]
         straight = record_straight(policy, env, clip.mean_speed, seed, progress=progress)
-        style = style_figures(env, straight, base_error, clip_gait(clip, clip.mean_speed))
+        expected = clip_gait(clip, clip.mean_speed, env.worlds.reference.model)
+        style = style_figures(env, straight, base_error, expected)
         error, visible, failed = style.tempo_error_m, style.visible, style.failed_tests
     return Cell(
         first=pair.first.name,

@@ -111,3 +111,14 @@ def test_one_world_for_each_at_least():
 def test_what_is_no_companion_is_named(companions, complaint):
     with pytest.raises(ValueError, match=complaint):
         worlds_with_companions(companions, env=ICE, num_envs=4, num_threads=1)
+
+
+def test_reference_windows_are_shown_by_the_worlds_own_body():
+    shown, plain = (
+        worlds_with_companions([], 1, env="AdaptNet/Humanoid-LongBodyWalk-v0", num_threads=1, **kwargs)
+        for kwargs in ({}, {"clip_on_body": False})
+    )
+    heights = [env.sample_reference_windows(20, np.random.default_rng(0))[:, -1, 2, 2].mean() for env in (shown, plain)]
+    assert heights[0] > heights[1] + 0.1  # of the head [m]
+    shown.close()
+    plain.close()
