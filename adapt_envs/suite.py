@@ -145,7 +145,10 @@ def find(name: str) -> TaskSpec:
 
 
 def preferred_speeds(spec: TaskSpec, clip: MotionClip) -> tuple[float, float]:
-    """Range [m/s] the preferred speed is sampled from: the row's, else the paper's or the clip's speed +-20 %."""
+    """Range [m/s] the preferred speed is sampled from: the row's, else the paper's or the clip's speed +-20 %.
+
+    The clip is as the row's body shows it.
+    """
     if spec.speed_range is not None:
         return spec.speed_range
     usual = RUN_SPEEDS if spec.base == "run" else WALK_SPEEDS

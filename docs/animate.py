@@ -20,7 +20,9 @@ from sb3_adaptnet import load_policy
 from sb3_adaptnet.evaluation import open_worlds
 from sb3_adaptnet.evaluation.pictures import captioned
 from sb3_adaptnet.evaluation.recording import Acting
+from sb3_adaptnet.policies.adaptnet import TRAINED, AdaptNetPolicy
 from sb3_adaptnet.publishing.pictures import world_frames
+from sb3_adaptnet.stacking import Pair, Part, part_of
 
 FOLDER = Path(__file__).parent / "families"
 
@@ -43,6 +45,18 @@ class Pane(NamedTuple):
         return self.policy if own else f"{self.policy} in {self.environment}"
 
 
+class Stack(NamedTuple):
+    """Two shipped adaptations at once, in the world of both."""
+
+    first: str
+    second: str
+
+    @property
+    def caption(self) -> str:
+        """Both names, without their base's."""
+        return " + ".join(name.partition("-")[2] for name in self)
+
+
 class Picture(NamedTuple):
     """Worlds side by side.
 
@@ -52,7 +66,7 @@ class Picture(NamedTuple):
         side: of a pane in the animated picture [pixels]; in the film each is of `FILM_SIDE`.
     """
 
-    panes: tuple[Pane, ...]
+    panes: tuple[Pane | Stack, ...]
     columns: int
     side: int = 220
 
@@ -85,10 +99,20 @@ FILM_SIDE, FILM_SECONDS = 320, 12.0
 """Of films: side of a pane [pixels] and length [s]."""
 
 
-def opened(pane: Pane) -> tuple[Acting, AdaptVectorEnv]:
+def opened(pane: Pane | Stack) -> tuple[Acting, AdaptVectorEnv]:
     """The pane's policy and its one world."""
+    if isinstance(pane, Stack):
+        return _stacked(*(part_of(name) for name in pane))
     env = open_worlds(env_id(pane.environment), 1, num_threads=1)
     return load_policy(pane.policy, env), env
+
+
+def _stacked(first: Part, second: Part) -> tuple[Acting, AdaptVectorEnv]:
+    env = AdaptVectorEnv(Pair(first, second).world, 1, num_threads=1, max_episode_steps=None)
+    policy = load_policy(first.file, env)
+    assert isinstance(policy, AdaptNetPolicy)
+    policy.blend({TRAINED: 1.0, policy.add_adaptation(second.file): 1.0})
+    return policy, env
 
 
 def frames_of(picture: Picture, side: int, every: int, seconds: float) -> Iterator[Image]:

@@ -17,7 +17,7 @@ from adapt_envs.model.build import build_character, compile_model, plain_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.model.morphology import Morphology
 from adapt_envs.motion.clip import MotionClip, MotionError, velocities
-from adapt_envs.motion.on_body import joint_names, on_body
+from adapt_envs.motion.on_body import joint_names, on_body, shown_by
 
 BASES = ("walk", "run")
 """Clips of minutes that bases are trained on."""
@@ -93,7 +93,7 @@ class ReferenceMotion:
     """
 
     def __init__(self, clips: Sequence[MotionClip], model: mujoco.MjModel, windows_on_body: bool = False) -> None:
-        """Prepare `clips` for `model`; `windows_on_body` says whether windows are those of start states, too.
+        """Prepare `clips` for `model`; `windows_on_body` says whether `model` shows the windows (`shown_by`).
 
         Raises:
             MotionError: if a clip does not know one of the model's joints.
@@ -113,6 +113,11 @@ class ReferenceMotion:
         self._clip_qvel = np.concatenate([part.qvel for part in parts])
 
     @cached_property
+    def shown(self) -> MotionClip:
+        """The first clip as `model` shows it (`shown_by`)."""
+        return shown_by(self.clips[0], self.model)
+
+    @cached_property
     def _qpos(self) -> NDArray[np.float64]:
         return on_body(self._clip_qpos, self.clips[0].joint_names, self.model)
 
@@ -127,9 +132,12 @@ class ReferenceMotion:
 
     @cached_property
     def _windows(self) -> NDArray[np.float32]:
-        plain = Kinematics(plain_model())
-        links = self._links if self._windows_on_body else plain.link_states(self._clip_qpos, self._clip_qvel)
-        return pose_windows(heading_frame_features(links[self._valid[:, None] + np.arange(-_PAST, 1)]))
+        if not self._windows_on_body:
+            return _windows_of(plain_model(), self._clip_qpos, self._clip_qvel, self._valid)
+        parts = [_Frames.of(shown_by(clip, self.model)) for clip in self.clips]
+        return np.concatenate(
+            [_windows_of(self.model, part.qpos, part.qvel, np.arange(_PAST, len(part.qpos))) for part in parts]
+        )
 
     @property
     def num_states(self) -> int:
@@ -187,3 +195,11 @@ def _reference_motion(
     version: _Version, morphology: Morphology | None, locked: tuple[str, ...], windows_on_body: bool
 ) -> ReferenceMotion:
     return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)), windows_on_body)
+
+
+def _windows_of(
+    model: mujoco.MjModel, qpos: NDArray[np.float64], qvel: NDArray[np.float64], last: NDArray[np.integer]
+) -> NDArray[np.float32]:
+    """Pose windows (n, 5, 15, 7) that end at the frames `last` (n,)."""
+    links = Kinematics(model).link_states(qpos, qvel)
+    return pose_windows(heading_frame_features(links[last[:, None] + np.arange(-_PAST, 1)]))

@@ -18,7 +18,7 @@ from adapt_envs.model.morphology import MORPHOLOGIES
 from adapt_envs.model.obstacles import OBSTACLES
 from adapt_envs.model.soles import sole_corners
 from adapt_envs.model.terrain import TERRAINS
-from adapt_envs.motion.library import load_clip, reference_motion
+from adapt_envs.motion.library import reference_motion
 from adapt_envs.simulation.physics import PhysicsBatch
 from adapt_envs.simulation.spawn import moved, standing_lift
 from adapt_envs.suite import TaskSpec, preferred_speeds
@@ -50,14 +50,14 @@ class Worlds:
 
     def __init__(self, spec: TaskSpec, num_worlds: int, num_threads: int | None = None) -> None:
         """Build the model, load the motion and make `num_worlds` worlds; `reset` comes first."""
-        speeds = preferred_speeds(spec, load_clip(spec.motion))
-        self.spec = replace(spec, speed_range=speeds)
         self._shape = entry("morphology", MORPHOLOGIES, spec.morphology)
+        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked), spec.clip_on_body)
+        speeds = preferred_speeds(spec, self.reference.shown)
+        self.spec = replace(spec, speed_range=speeds)
         self.ground = make_ground(
             entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed
         )
         self.model = self.compiled(self.ground)
-        self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked), spec.clip_on_body)
         self.physics = PhysicsBatch(self.model, num_worlds, num_threads)
         self.goals = Goals(num_worlds, self.ground, speeds, spec.timer_range)
         self.pushes = None if spec.push is None else Pushes(spec.push, num_worlds)

@@ -130,10 +130,11 @@ def _likeness(signals: Sequence[NDArray[np.floating]], lag: int, looped: bool) -
 def clip_gait(clip: MotionClip, speed: float, body: mujoco.MjModel | None = None) -> Gait:
     """The gait of a clip: of its period if it repeats, else of its straight stretches of 4 s at about `speed` [m/s].
 
-    Shown by `body` with the clip's joint angles, or by the plain character.
+    As `body` shows it, or the plain character.
     """
-    pieces = [clip.qpos[: clip.period]] if clip.cyclic else _pieces_at(clip, speed)
     reference = Reference.of(clip, body)
+    shown = reference.clip
+    pieces = [shown.qpos[: shown.period]] if shown.cyclic else _pieces_at(shown, speed)
     return gait_of([reference.links(piece) for piece in pieces], sole_corners(reference.body), looped=clip.cyclic)
 
 

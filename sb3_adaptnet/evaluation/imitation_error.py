@@ -20,7 +20,7 @@ from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.motion.clip import FPS, MotionClip
-from adapt_envs.motion.on_body import joint_names, on_body
+from adapt_envs.motion.on_body import joint_names, shown_by
 from sb3_adaptnet.evaluation.recording import Recording, Segment
 from sb3_adaptnet.evaluation.warping import match
 
@@ -62,10 +62,10 @@ def local_positions(links: NDArray[np.float32], floor: NDArray[np.float32] | flo
 
 @dataclass(frozen=True)
 class Reference:
-    """A clip to compare with, as a body shows it that has the clip's joint angles.
+    """A clip to compare with, as a body shows it.
 
     Attributes:
-        clip: the clip.
+        clip: the clip, of the body's joints.
         body: the character that shows it.
     """
 
@@ -74,14 +74,14 @@ class Reference:
 
     @classmethod
     def of(cls, clip: MotionClip, body: mujoco.MjModel | None = None) -> "Reference":
-        """The reference that a clip is for a body, or for the plain character.
+        """The reference that a clip is for a body (`shown_by`), or for the plain character.
 
         Raises:
             ValueError: if the clip is for a character with other joints.
         """
         if joint_names(plain_model()) != clip.joint_names:
             raise ValueError(f"clip {clip.name!r} is for a character with other joints")
-        return cls(clip, plain_model() if body is None else body)
+        return cls(clip, plain_model()) if body is None else cls(shown_by(clip, body), body)
 
     @property
     def cyclic(self) -> bool:
@@ -90,7 +90,7 @@ class Reference:
 
     def links(self, qpos: NDArray[np.float64]) -> NDArray[np.float32]:
         """Link states (T, 15, 13), world frame, of configurations (T, nq) of the clip."""
-        return Kinematics(self.body).link_states(on_body(qpos, self.clip.joint_names, self.body))
+        return Kinematics(self.body).link_states(qpos)
 
     @cached_property
     def positions(self) -> NDArray[np.float32]:
@@ -151,7 +151,7 @@ def matches(
 ) -> list[Match]:
     """The frames of all settled stretches against those of the clip that time warping matches.
 
-    The clip is the one that `body`, the recorded character, shows with the clip's joint angles; None for the plain one.
+    The clip is as `body`, the recorded character, shows it; None for the plain one.
     Stretches longer than a clip that does not repeat are matched in windows of its length. Of the bases' clips of
     minutes, which hold many speeds and turns, the stretch that is most alike counts.
     """
@@ -204,7 +204,7 @@ def world_error(
     reference, up, errors = Reference.of(clip, body), np.array([0, 0, 1], np.float32), []
     for (world, start, stop), frames, _ in found:
         here = recording.links[start:stop, world, :, :3] - recording.floor[start:stop, world, None, None] * up
-        there = reference.links(clip.at(frames))[..., :3]
+        there = reference.links(reference.clip.at(frames))[..., :3]
         errors += [
             aligned_errors(here[i : i + _ALIGNED], there[i : i + _ALIGNED]) for i in range(0, len(here), _ALIGNED)
         ]

@@ -105,9 +105,12 @@ def open_worlds(environment: str, num_worlds: int = WORLDS, **overrides: Any) ->
 
 
 def reference_speed(env: AdaptVectorEnv) -> float:
-    """The clip's mean speed [m/s], kept within the speeds the environment asks for (which only a base's may leave)."""
+    """The mean speed [m/s] of the clip as these worlds' body shows it, kept within the speeds that they ask for.
+
+    Only a base's clip may leave those.
+    """
     low, high = env.worlds.spec.speed_range or (0.0, np.inf)
-    return float(np.clip(env.worlds.reference.clips[0].mean_speed, low, high))
+    return float(np.clip(env.worlds.reference.shown.mean_speed, low, high))
 
 
 def record(policy: Acting, env: AdaptVectorEnv, steps: int, seed: int, progress: Progress = iter) -> Recording:

@@ -133,9 +133,10 @@ def _cell(
     free, error, visible = record(policy, env, steps, seed, progress), None, None
     failed: tuple[str, ...] = ()
     if pair.first.kind == "style":
-        clip = env.worlds.reference.clips[0]
-        straight = record_straight(policy, env, clip.mean_speed, seed, progress=progress)
-        expected = clip_gait(clip, clip.mean_speed, env.worlds.reference.model)
+        reference = env.worlds.reference
+        speed = reference.shown.mean_speed
+        straight = record_straight(policy, env, speed, seed, progress=progress)
+        expected = clip_gait(reference.clips[0], speed, reference.model)
         style = style_figures(env, straight, base_error, expected)
         error, visible, failed = style.tempo_error_m, style.visible, style.failed_tests
     return Cell(

@@ -9,7 +9,7 @@ from evaluation_cases import STOOP, recording_of, save_tiny_adaptation, save_tin
 from adapt_envs.model.build import compile_model
 from adapt_envs.motion.clip import transformed
 from adapt_envs.motion.library import load_clip
-from adapt_envs.motion.on_body import on_body
+from adapt_envs.motion.on_body import shown_by
 from adapt_envs.motion.quality import foot_corners
 from sb3_adaptnet import load_policy
 from sb3_adaptnet.evaluation.alpha import record_base
@@ -81,7 +81,7 @@ def test_a_skip_that_stays_on_the_ground_is_not_visible():
 def test_a_body_is_compared_with_what_it_would_show(goose, body):
     worlds = open_worlds("AdaptNet/Humanoid-GooseStep-v0", 1, num_threads=1, **body)
     model = worlds.worlds.reference.model
-    shown = recording_of(on_body(goose.at(FRAMES), goose.joint_names, model), body=model)
+    shown = recording_of(shown_by(goose, model).at(FRAMES), body=model)
     found = style_figures(worlds, shown, BASE_ERROR)
     assert found.visible and not found.failed_tests
     assert found.tempo_error_m == pytest.approx(0, abs=1e-4) and found.world_error_m == pytest.approx(0, abs=1e-4)
@@ -89,7 +89,7 @@ def test_a_body_is_compared_with_what_it_would_show(goose, body):
     assert imitation_error(shown, goose, BOUNDED, model).mean == pytest.approx(0, abs=1e-4)
     assert imitation_error(shown, goose, BOUNDED).mean > 0.005
     limp = load_clip("Limp")
-    other = recording_of(on_body(limp.at(FRAMES), limp.joint_names, model), body=model)
+    other = recording_of(shown_by(limp, model).at(FRAMES), body=model)
     assert style_figures(worlds, other, BASE_ERROR).visible is False
 
 
