@@ -79,7 +79,7 @@ class AttributeRamp(BaseCallback):
     def _on_rollout_start(self) -> None:
         self._move()
         worlds = self.training_env.num_envs
-        values = self.value * np.linspace(1, 1 - self.spread, worlds) if self.spread else self.value
+        values = self.value * (1 - self.spread * _shares(worlds)) if self.spread else self.value
         set_in_worlds(self.training_env, self.attribute, values)
         self.logger.record(f"rollout/{self.attribute}", self.value)
 
@@ -114,3 +114,12 @@ def set_in_worlds(env: VecEnv, attribute: str, values: float | NDArray[np.floati
         return
     for world, value in enumerate(np.broadcast_to(values, env.num_envs)):
         env.env_method("set_wrapper_attr", attribute, float(value), indices=[world])
+
+
+def _shares(worlds: int) -> NDArray[np.float64]:
+    """Numbers (N,) evenly from 0 to 1, so mixed that neighbours, such as joined groups of worlds, have of all of them.
+
+    The ranks of multiples of the golden ratio, whose fractional parts never crowd.
+    """
+    places = np.arange(worlds) * (np.sqrt(5) - 1) / 2 % 1
+    return places.argsort().argsort() / max(worlds - 1, 1)

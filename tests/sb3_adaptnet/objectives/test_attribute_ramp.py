@@ -6,10 +6,9 @@ from objective_cases import Check, make_model
 from stable_baselines3 import PPO
 from toy_env import ToyVectorEnv
 
-from sb3_adaptnet import (
-    AdaptVecEnv,
-)
+from sb3_adaptnet import AdaptVecEnv
 from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
+from sb3_adaptnet.stacking import JoinedWorlds
 
 
 def test_a_ramp_moves_an_attribute_with_the_samples():
@@ -27,9 +26,21 @@ def test_the_worlds_of_a_ramp_with_a_spread_share_out_easy_and_hard():
     ramp = AttributeRamp("push_scale", 0.4, 0.8, samples=48, spread=0.75)
     look = Check(lambda _: seen.append(env.vector_env.unwrapped.push_scale.tolist()))
     PPO("MlpPolicy", env, n_steps=8, batch_size=24, n_epochs=1, device="cpu").learn(72, callback=[ramp, look])
-    assert np.allclose(seen, [[0.4, 0.25, 0.1], [0.6, 0.375, 0.15], [0.8, 0.5, 0.2]])
+    assert np.allclose(seen, [[0.4, 0.1, 0.25], [0.6, 0.15, 0.375], [0.8, 0.2, 0.5]])
     with pytest.raises(ValueError, match=r"spread.*0 to 1.*1\.5"):
         AttributeRamp("push_scale", 0.0, 1.0, samples=1, spread=1.5)
+
+
+def test_neighbours_have_of_all_of_a_spread_so_that_joined_groups_do():
+    groups = [AdaptVecEnv("AdaptNet/Humanoid-PushWalk-v0", num_envs=count, num_threads=1) for count in (20, 10, 10)]
+    ramp, found = AttributeRamp("push_scale", 0.5, 0.5, samples=40, spread=1.0), []
+    look = Check(lambda _: found.extend(group.vector_env.unwrapped.push_scale.copy() for group in groups))
+    joined = JoinedWorlds(groups)
+    PPO("MultiInputPolicy", joined, n_steps=1, batch_size=40, n_epochs=1, device="cpu").learn(40, callback=[ramp, look])
+    np.testing.assert_allclose(np.sort(np.concatenate(found)), np.linspace(0, 0.5, 40), atol=1e-12)
+    for values in found:
+        assert values.mean() == pytest.approx(0.25, abs=0.04) and values.min() < 0.08 and values.max() > 0.42
+    joined.close()
 
 
 def test_a_ramp_needs_something_to_move():
