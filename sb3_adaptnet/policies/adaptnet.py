@@ -74,8 +74,8 @@ class AdaptNetPolicy(PolicyFromBase):
                 --start` is: PPO with an `actor_lr` of 1e-6 at first, SVG without `regression_updates`.
             companions: further adaptations of the base, names or files, frozen, of which the k-th acts in the worlds
                 whose observations say k, as those of `JoinedWorlds` do: what learns beside them can be stacked.
-            companion_kl: how far the actions may be from what base and companion do alone, at no cost [nat]; without a
-                companion any distance is free.
+            companion_kl: how far the actions may be from what base and companion do alone, at no cost [nat]; also in
+                worlds without a companion, since styles are lost where those are free.
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, critic, optimizer_class,
                 optimizer_kwargs of `ObjectivePolicy`.
 

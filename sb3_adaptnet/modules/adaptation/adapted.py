@@ -132,9 +132,7 @@ class AdaptedActor(Actor):
             return mean, log_std
         alone = observation.companion_mean
         alone = self.companions_alone(observation) if alone is None else alone
-        companion = cast(torch.Tensor, observation.companion).unsqueeze(1)
-        free = torch.where(companion > 0, self.penalties.companion_kl, math.inf)
-        return penalise_distance(mean, alone, log_std, free), log_std
+        return penalise_distance(mean, alone, log_std, self.penalties.companion_kl), log_std
 
     def remembering(self, observation: Observation) -> Observation:
         """The observation with what nothing that learns can change: the base's code, and what the companions do."""

@@ -57,16 +57,14 @@ def penalise_injections(injections: dict[int, torch.Tensor], beta: float) -> dic
     return {space: add_gradient(x, scale) for space, x in injections.items()}
 
 
-def penalise_distance(
-    mean: torch.Tensor, other: torch.Tensor, log_std: torch.Tensor, free: torch.Tensor | float
-) -> torch.Tensor:
+def penalise_distance(mean: torch.Tensor, other: torch.Tensor, log_std: torch.Tensor, free: float) -> torch.Tensor:
     """Penalty 0.01 * the batch's mean of max(KL - free, 0), KL of Gaussians with the same standard deviations.
 
     Args:
         mean: (B, n) means that learn.
         other: (B, n) means that they must stay near.
         log_std: (B, n) log standard deviations of both.
-        free: how much divergence [nat] costs nothing; for all rows, or (B, 1).
+        free: how much divergence [nat] costs nothing.
 
     Returns:
         The means, with the penalty's gradient attached.

@@ -62,7 +62,7 @@ def test_what_a_companion_adds_to_the_latents_may_be_handed_back(tiny_base, two_
 
 
 def test_it_stays_near_what_its_companions_do_alone(tiny_base, two_styles):
-    """Nothing else has a gradient here: PPO's loss of advantages of 0. Without a companion nothing holds it."""
+    """Nothing else has a gradient here: PPO's loss of advantages of 0."""
     policy = learner(tiny_base, two_styles, beta=0.0, kappa=0.0, companion_kl=math.inf).policy
     obs = {key: torch.from_numpy(values) for key, values in batch().items()}
     alone = policy.get_distribution(obs).distribution.mean.detach()
@@ -73,7 +73,7 @@ def test_it_stays_near_what_its_companions_do_alone(tiny_base, two_styles):
     there, here = (torch.distributions.Normal(x, distribution.stddev.detach()) for x in (alone, distribution.mean))
     divergences = torch.distributions.kl_divergence(here, there).sum(dim=1)
     free = divergences.mean().item()
-    (0.01 * ((divergences - free).clamp_min(0) * (obs["companion"] > 0)).mean()).backward()
+    (0.01 * (divergences - free).clamp_min(0).mean()).backward()
     wanted = [p.grad for p in policy.actor.adaptations.parameters()]
     policy.zero_grad()
     policy.actor.penalties = policy.actor.penalties._replace(companion_kl=free)
@@ -81,7 +81,6 @@ def test_it_stays_near_what_its_companions_do_alone(tiny_base, two_styles):
     for gradient, parameter in zip(wanted, policy.actor.adaptations.parameters(), strict=True):
         torch.testing.assert_close(parameter.grad, gradient, rtol=1e-4, atol=1e-7)
     assert max(gradient.abs().max() for gradient in wanted) > 1e-3
-    assert divergences[obs["companion"] == 0].max() > free
 
 
 @pytest.mark.parametrize("heightmap", [False, True])

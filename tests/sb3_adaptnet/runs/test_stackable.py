@@ -19,9 +19,9 @@ ICE = env_id("IceWalk")
 
 
 def test_the_shipped_companions_are_styles_of_the_base():
-    for name in ("IceWalk", "TerrainHills", "LockedAnklesWalk"):
+    for name, count in (("IceWalk", 8), ("TerrainHills", 8), ("LongBodyWalk", 12)):
         companions = experiment(env_id(name), conf_file="stackable").arguments["policy_kwargs"]["companions"]
-        assert {part_of(companion).kind for companion in companions} == {"style"} and len(set(companions)) == 8
+        assert {part_of(companion).kind for companion in companions} == {"style"} and len(set(companions)) == count
 
 
 def test_a_run_learns_beside_companions_goes_on_and_exports_what_it_learned_alone(tmp_path, capsys):
