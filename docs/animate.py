@@ -83,6 +83,8 @@ BODIES = (("walk", "LongShinsWalk"), ("walk", "LongThighsWalk"), ("walk", "Super
           ("run", "LongThighs"))  # fmt: skip
 LOCKS = (("walk", "LockedRightKneeWalk"), ("walk", "LockedAnklesWalk"), ("run", "LockedRightKnee"))
 GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "TerrainRugged"), ("walk", "Obstacles"))
+STACKS = (("Stomp", "LongBody"), ("Penguin", "LongBody"), ("Kicking", "LongBody"), ("Joyful", "LongBody"),
+          ("Stoop", "BigBody"), ("Strutting", "BigBody"), ("Pace", "BigBody"), ("Sashay", "BigBody"))  # fmt: skip
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
     "styles": Picture(tuple(Pane(f"walk-{name.lower()}", name) for name in STYLES), 4, 180),
@@ -90,6 +92,7 @@ PICTURES = {
     "locks": Picture(_beneath(LOCKS), len(LOCKS)),
     "ice": Picture(_beneath(GROUNDS[:1]), 2),
     "terrain": Picture(_beneath(GROUNDS[1:]), 3),
+    "stacks": Picture(tuple(Stack(f"walk-{a.lower()}", f"walk-{b.lower()}walk") for a, b in STACKS), 4, 180),
     "pushes": Picture((Pane("walk-pushwalk", "PushWalk"), Pane("run-pushrun", "PushRun")), 2),
 }
 """File -> what it shows."""
