@@ -144,17 +144,21 @@ def find(name: str) -> TaskSpec:
     return entry("environment", SUITE, name)
 
 
-def preferred_speeds(spec: TaskSpec, clip: MotionClip) -> tuple[float, float]:
+def preferred_speeds(spec: TaskSpec, clip: MotionClip, faster: float = 1.0) -> tuple[float, float]:
     """Range [m/s] the preferred speed is sampled from: the row's, else the paper's or the clip's speed +-20 %.
 
-    The clip is as the row's body shows it.
+    Args:
+        spec: the row.
+        clip: its clip.
+        faster: how many times as fast as the clip the row's body shows it (`shown_by`).
     """
     if spec.speed_range is not None:
         return spec.speed_range
     usual = RUN_SPEEDS if spec.base == "run" else WALK_SPEEDS
     if usual[0] <= clip.mean_speed <= usual[1]:
         return usual
-    return round(0.8 * clip.mean_speed, 3), round(1.2 * clip.mean_speed, 3)
+    speed = faster * clip.mean_speed
+    return round(0.8 * speed, 3), round(1.2 * speed, 3)
 
 
 def configured(task: str | TaskSpec, overrides: dict[str, Any]) -> TaskSpec:
