@@ -75,7 +75,7 @@ class AdaptNetPolicy(PolicyFromBase):
             companions: further adaptations of the base, names or files, frozen, of which the k-th acts in the worlds
                 whose observations say k, as those of `JoinedWorlds` do: what learns beside them can be stacked.
             companion_kl: how far the actions may be from what base and companion do alone, at no cost [nat]; also in
-                worlds without a companion, since styles are lost where those are free.
+                worlds without a companion.
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, critic, optimizer_class,
                 optimizer_kwargs of `ObjectivePolicy`.
 
