@@ -144,20 +144,20 @@ def find(name: str) -> TaskSpec:
     return entry("environment", SUITE, name)
 
 
-def preferred_speeds(spec: TaskSpec, clip: MotionClip, faster: float = 1.0) -> tuple[float, float]:
+def preferred_speeds(spec: TaskSpec, clip: MotionClip, shown: MotionClip | None = None) -> tuple[float, float]:
     """Range [m/s] the preferred speed is sampled from: the row's, else the paper's or the clip's speed +-20 %.
 
     Args:
         spec: the row.
         clip: its clip.
-        faster: how many times as fast as the clip the row's body shows it (`shown_by`).
+        shown: the clip as the row's body shows it (`shown_by`); None for the plain character.
     """
     if spec.speed_range is not None:
         return spec.speed_range
     usual = RUN_SPEEDS if spec.base == "run" else WALK_SPEEDS
     if usual[0] <= clip.mean_speed <= usual[1]:
         return usual
-    speed = faster * clip.mean_speed
+    speed = (shown or clip).mean_speed
     return round(0.8 * speed, 3), round(1.2 * speed, 3)
 
 
@@ -177,6 +177,8 @@ def configured(task: str | TaskSpec, overrides: dict[str, Any]) -> TaskSpec:
             overrides[key] = _checked_range(key, overrides[key])
     if isinstance(overrides.get("locked", ()), str):
         overrides["locked"] = (overrides["locked"],)
+    if not isinstance(overrides.get("clip_on_body", False), bool):
+        raise ValueError(f"clip_on_body is {overrides['clip_on_body']!r}, expected True or False")
     friction = overrides.get("friction", spec.friction)
     if not isinstance(friction, Real) or not 0 < float(friction) < float("inf"):
         raise ValueError(f"friction is {friction!r}, expected a positive number")

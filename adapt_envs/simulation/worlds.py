@@ -52,8 +52,7 @@ class Worlds:
         """Build the model, load the motion and make `num_worlds` worlds; `reset` comes first."""
         self._shape = entry("morphology", MORPHOLOGIES, spec.morphology)
         self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked), spec.clip_on_body)
-        clip, shown = self.reference.clips[0], self.reference.shown
-        speeds = preferred_speeds(spec, clip, shown.mean_speed / clip.mean_speed)
+        speeds = preferred_speeds(spec, self.reference.clips[0], self.reference.shown)
         self.spec = replace(spec, speed_range=speeds)
         self.ground = make_ground(
             entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed

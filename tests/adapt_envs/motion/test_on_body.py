@@ -91,3 +91,8 @@ def test_a_style_asks_longer_legs_to_go_faster():
     plain, long = (AdaptVectorEnv("Penguin", 1, num_threads=1, morphology=shape) for shape in shapes)
     slow, fast = (env.worlds.spec.speed_range for env in (plain, long))
     assert np.divide(fast, slow) == pytest.approx([np.sqrt(1.5)] * 2, rel=0.02)
+
+
+def test_what_is_neither_true_nor_false_is_refused():
+    with pytest.raises(ValueError, match="clip_on_body is 'yes', expected True or False"):
+        make_vector("AdaptNet/Humanoid-Stoop-v0", 1, num_threads=1, clip_on_body="yes")
