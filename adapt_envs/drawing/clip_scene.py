@@ -4,6 +4,7 @@ import mujoco
 
 from adapt_envs.drawing.scene import Scene
 from adapt_envs.model.build import compile_model
+from adapt_envs.model.humanoid import joints_of
 from adapt_envs.motion.clip import MotionClip, MotionError
 
 LOOK_HEIGHT = 0.90
@@ -24,7 +25,7 @@ def clip_scene(clip: MotionClip, width: int, height: int, model: mujoco.MjModel 
         RenderingError: if this machine cannot draw.
     """
     model = compile_model() if model is None else model
-    names = tuple(model.actuator(i).name for i in range(model.nu))
+    names = joints_of(model)
     if clip.joint_names != names:
         odd = sorted(set(names) ^ set(clip.joint_names)) or ["their order"]
         raise MotionError(f"clip {clip.name!r} does not fit the character; they differ in: {', '.join(odd)}")

@@ -63,6 +63,11 @@ def joint_names() -> tuple[str, ...]:
     return tuple(joint.name for joint in hinges(load_spec()))
 
 
+def joints_of(model: mujoco.MjModel) -> tuple[str, ...]:
+    """The joints of any character, locked ones left out, in the order of its configurations and actions."""
+    return tuple(model.actuator(i).name for i in range(model.nu))
+
+
 def add_servos(spec: mujoco.MjSpec) -> None:
     """Add one position servo per hinge: torque = kp (target - q) - kd qdot, target = mid + action * range width.
 

@@ -14,10 +14,10 @@ from adapt_envs.assets import asset_path
 from adapt_envs.features.heading_frame import WINDOW_FRAMES, heading_frame_features, pose_windows
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import build_character, compile_model, plain_model
-from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.model.humanoid import CONTROL_DT, joints_of
 from adapt_envs.model.morphology import Morphology
 from adapt_envs.motion.clip import MotionClip, MotionError, velocities
-from adapt_envs.motion.on_body import joint_names, on_body, shown_by
+from adapt_envs.motion.on_body import on_body, shown_by
 
 BASES = ("walk", "run")
 """Clips of minutes that bases are trained on."""
@@ -100,7 +100,7 @@ class ReferenceMotion:
         """
         self.clips = tuple(clips)
         self.model, self._windows_on_body = model, windows_on_body
-        self.joint_names = joint_names(model)
+        self.joint_names = joints_of(model)
         for clip in clips:
             missing = [joint for joint in self.joint_names if joint not in clip.joint_names]
             if missing:

@@ -9,14 +9,9 @@ from numpy.typing import NDArray
 
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import plain_model
-from adapt_envs.model.humanoid import FEET
+from adapt_envs.model.humanoid import FEET, joints_of
 from adapt_envs.model.soles import lowest_corner
 from adapt_envs.motion.clip import MotionClip
-
-
-def joint_names(model: mujoco.MjModel) -> tuple[str, ...]:
-    """The joints of a character in the order of its configurations."""
-    return tuple(model.actuator(i).name for i in range(model.nu))
 
 
 def on_body(qpos: NDArray[np.float64], joints: Sequence[str], body: mujoco.MjModel) -> NDArray[np.float64]:
@@ -31,7 +26,7 @@ def on_body(qpos: NDArray[np.float64], joints: Sequence[str], body: mujoco.MjMod
         (T, nq) with the joints that the body has. The root is higher or lower by as much as brings the lowest corner of
         the feet to where it was; its way on the ground stays, so that longer legs slide.
     """
-    found = qpos[:, [*range(7), *(7 + list(joints).index(name) for name in joint_names(body))]]
+    found = qpos[:, [*range(7), *(7 + list(joints).index(name) for name in joints_of(body))]]
     found[:, 2] += _lowest_foot(plain_model(), qpos) - _lowest_foot(body, found)
     return found
 
@@ -47,7 +42,7 @@ def shown_by(clip: MotionClip, body: mujoco.MjModel) -> MotionClip:
     qpos = _slowed(clip, np.sqrt(longer)) if abs(longer - 1) > 1e-6 else clip.qpos
     qpos = on_body(qpos, clip.joint_names, body)
     qpos[:, :2] *= longer
-    return replace(clip, qpos=qpos, joint_names=joint_names(body))
+    return replace(clip, qpos=qpos, joint_names=joints_of(body))
 
 
 def leg_length(model: mujoco.MjModel) -> float:

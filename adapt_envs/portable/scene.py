@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from adapt_envs.features import rotations
 from adapt_envs.features.heading_frame import OBSERVED_FRAMES
 from adapt_envs.model.build import assemble, build_character
+from adapt_envs.model.humanoid import joints_of
 from adapt_envs.model.morphology import MORPHOLOGIES
 from adapt_envs.motion.library import BASES, reference_motion
 from adapt_envs.portable.choices import BODIES, LOCKS
@@ -47,7 +48,7 @@ def portable_scene(body: str, lock: str, ground: str) -> dict[str, Any]:
     model = spec.compile()
     text = _text(spec)
     starts = {base: _start(base, model, shape, lock_row.locked, place) for base in BASES}
-    joints = [model.actuator(i).name for i in range(model.nu)]
+    joints = list(joints_of(model))
     return {"mjcf": text, "joints": joints, "exact": _rounded_away(model, text), "starts": starts}
 
 

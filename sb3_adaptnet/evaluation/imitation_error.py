@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from adapt_envs.features.heading_frame import heading_frame_features
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import plain_model
-from adapt_envs.model.humanoid import CONTROL_DT
+from adapt_envs.model.humanoid import CONTROL_DT, joint_names
 from adapt_envs.motion.clip import FPS, MotionClip
-from adapt_envs.motion.on_body import joint_names, shown_by
+from adapt_envs.motion.on_body import shown_by
 from sb3_adaptnet.evaluation.recording import Recording, Segment
 from sb3_adaptnet.evaluation.warping import match
 
@@ -79,7 +79,7 @@ class Reference:
         Raises:
             ValueError: if the clip is for a character with other joints.
         """
-        if joint_names(plain_model()) != clip.joint_names:
+        if joint_names() != clip.joint_names:
             raise ValueError(f"clip {clip.name!r} is for a character with other joints")
         return cls(clip, plain_model()) if body is None else cls(shown_by(clip, body), body)
 
