@@ -21,7 +21,7 @@ Floor = Callable[[NDArray[np.floating]], NDArray[np.floating]]
 """Heights (...) [m] of the ground at points (..., 2) [m]."""
 _FEET = [LINKS.index(foot) for foot in FEET]
 _HIGH = 99
-"""Percentile of a foot's height that counts as its highest."""
+"""Percentile of a foot's height in a stride that counts as its highest."""
 _LAGS = range(round(0.25 * FPS), 3 * FPS + 1)
 """Frames after which a stride may repeat: 0.33 to 4 Hz."""
 _ALIKE, _AS_GOOD = 0.5, 0.9
@@ -42,8 +42,10 @@ class Gait:
 
     Attributes:
         cadence_hz: strides per second of one foot; None also where nothing repeats.
-        foot_height_m: 99th percentile of the height of a foot's link frame, the ankle, above the ground [m]; mean over
-            the feet. A standing foot's is 0.05 m.
+        foot_height_m: height of a foot's link frame, the ankle, above the ground [m]: the 99th percentile of a stride,
+            median over the strides, mean over the feet. A standing foot's is 0.05 m. A foot in the air is measured
+            from the straight line between the ground where it left and where it lands: a ditch that it swings over is
+            no lift. One high step among many does not count, be it a stumble on uneven ground or a kick now and then.
         flight_share: share of frames in which no corner of a sole is within 1.5 cm of the ground.
     """
 
@@ -73,22 +75,55 @@ def gait_of(
     """
     if not stretches:
         return Gait(None, None, None)
-    feet = np.concatenate(stretches)[:, _FEET]
-    height = feet[..., 2] - floor_at(feet[..., :2])
     corners = sole_corners(compile_model()) if soles is None else soles
+    feet = [links[:, _FEET] for links in stretches]
+    clearance = [clearances(foot, corners, floor_at) for foot in feet]
+    heights = [foot_heights(*pair, floor_at) for pair in zip(feet, clearance, strict=True)]
     places = [local_positions(links)[:, _FEET].reshape(len(links), -1) for links in stretches]
+    strides_per_second = cadence(places, looped)
     return Gait(
-        cadence_hz=cadence(places, looped),
-        foot_height_m=float(np.percentile(height, _HIGH, axis=0).mean()),
-        flight_share=float(in_flight(feet, corners, floor_at).mean()),
+        cadence_hz=strides_per_second,
+        foot_height_m=_typical_top(heights, strides_per_second),
+        flight_share=float((np.concatenate(clearance) > TOUCHING).all(axis=1).mean()),
     )
 
 
-def in_flight(feet: NDArray[np.float32], soles: NDArray[np.float64], floor_at: Floor = flat) -> NDArray[np.bool_]:
-    """Whether no corner of a sole touches the ground (T,); feet (T, 2, 13) in the world, soles (2, 4, 3) in them."""
+def clearances(feet: NDArray[np.float32], soles: NDArray[np.float64], floor_at: Floor = flat) -> NDArray[np.floating]:
+    """Heights (T, 2) [m] of the lowest corner of each sole above the ground.
+
+    Args:
+        feet: states (T, 2, 13) of their links, world frame.
+        soles: corners (2, 4, 3) [m] in the feet's frames.
+        floor_at: the ground.
+    """
     corners = feet[:, :, None, :3] + rotations.rotate(feet[:, :, None, 3:7], soles[None])
-    lowest = (corners[..., 2] - floor_at(corners[..., :2])).min(axis=(1, 2))
-    return np.asarray(lowest > TOUCHING)
+    return np.asarray((corners[..., 2] - floor_at(corners[..., :2])).min(axis=2))
+
+
+def foot_heights(
+    feet: NDArray[np.float32], clearance: NDArray[np.floating], floor_at: Floor = flat
+) -> NDArray[np.floating]:
+    """Heights (T, 2) [m] of the ankles above the ground that the feet (T, 2, 13) stand on.
+
+    While a foot is in the air, the ground is interpolated over its way between where it left and where it lands.
+    """
+    ground = np.array(floor_at(feet[..., :2]), np.float64)
+    ways = np.cumsum(np.linalg.norm(np.diff(feet[..., :2], axis=0, prepend=feet[:1, :, :2]), axis=2), axis=0)
+    for foot, touching in enumerate((clearance <= TOUCHING).T):
+        if touching.any():
+            way = ways[:, foot]
+            ground[:, foot] = np.interp(way, way[touching], ground[touching, foot])
+    return np.asarray(feet[..., 2] - ground)
+
+
+def _typical_top(heights: Sequence[NDArray[np.floating]], cadence_hz: float | None) -> float:
+    """Median over strides of the top of heights (T, 2); of whole stretches where nothing repeats."""
+    strides = [
+        stride
+        for height in heights
+        for stride in np.array_split(height, max(round(len(height) * (cadence_hz or 0) / FPS), 1))
+    ]
+    return float(np.median([np.percentile(stride, _HIGH, axis=0) for stride in strides], axis=0).mean())
 
 
 def cadence(signals: Sequence[NDArray[np.floating]], looped: bool = False) -> float | None:

@@ -8,10 +8,10 @@ from evaluation_cases import recording_of
 
 from adapt_envs.model.build import compile_model
 from adapt_envs.model.humanoid import CONTROL_DT
-from adapt_envs.model.soles import sole_corners
+from adapt_envs.model.soles import TOUCHING, sole_corners
 from adapt_envs.motion.clip import FPS
 from adapt_envs.motion.library import STYLES, load_clip
-from sb3_adaptnet.evaluation.gait import Gait, cadence, clip_gait, gait_of, in_flight
+from sb3_adaptnet.evaluation.gait import Gait, cadence, clearances, clip_gait, flat, gait_of
 
 RIGHT, LEFT = 11, 14
 
@@ -79,11 +79,54 @@ def test_faster_pieces_that_curve_do_not_count_though_they_end_as_far_away():
 
 
 def test_the_foot_height_is_the_mean_over_the_feet_of_the_99th_percentile_above_the_ground():
-    links = recording_of(load_clip("Stoop").at(np.arange(101))).links[:, 0]
+    links = recording_of(load_clip("Stoop").at(np.zeros(101, int))).links[:, 0]  # nothing repeats: one stride
     links[:, RIGHT, 2] = 0.05 + 0.2 * np.arange(101) / 100
     links[:, LEFT, 2] = 0.05
     assert gait_of([links]).foot_height_m == pytest.approx((0.248 + 0.05) / 2, abs=1e-6)
     assert gait_of([links], floor_at=lambda xy: 0.01 + 0 * xy[..., 0]).foot_height_m == pytest.approx(0.139, abs=1e-6)
+
+
+def played(name, periods):
+    clip = load_clip(name)
+    return recording_of(clip.at(np.arange(periods * clip.period))).links[:, 0]
+
+
+def test_a_ditch_that_a_foot_swings_over_is_no_lift():
+    links, soles = played("Stomp", 4), sole_corners(compile_model())
+    feet = links[:, [RIGHT, LEFT]]
+    trodden = feet[clearances(feet, soles) <= TOUCHING][:, :2]
+
+    def ditches(points):
+        away = np.linalg.norm(points[..., None, :] - trodden, axis=-1).min(axis=-1)
+        return np.where(away < 0.16, 0.0, -0.3)  # as far as soles reach
+
+    above_the_point_below = feet[..., 2] - ditches(feet[..., :2])
+    on_flat, over_ditches = gait_of([links]), gait_of([links], floor_at=ditches)
+    assert np.percentile(above_the_point_below, 99) > on_flat.foot_height_m + 0.1
+    assert over_ditches.foot_height_m == pytest.approx(on_flat.foot_height_m, abs=0.002)
+    assert over_ditches.flight_share == on_flat.flight_share
+
+
+def test_a_stair_that_is_walked_up_is_no_lift_beyond_the_clips():
+    links = played("Stomp", 6)
+    on_flat = gait_of([links]).foot_height_m
+    climbing = links.copy()
+    climbing[..., 2] += 0.1 * links[:, 0, 0][:, None]
+    found = gait_of([climbing], floor_at=lambda points: 0.1 * points[..., 0]).foot_height_m
+    assert found == pytest.approx(on_flat, abs=0.04)
+
+
+def test_one_high_step_among_many_does_not_count_and_a_missing_one_neither():
+    period = load_clip("Kicking").period
+    links = played("Kicking", 7)
+    usual = gait_of([links]).foot_height_m
+    for factor in (0.3, 3.0):
+        odd = links.copy()
+        odd[period : 2 * period, [RIGHT, LEFT], 2] *= factor
+        assert gait_of([odd]).foot_height_m == pytest.approx(usual, rel=0.03)
+    odd = links.copy()
+    odd[: 5 * period, [RIGHT, LEFT], 2] *= 0.3
+    assert gait_of([odd]).foot_height_m < 0.5 * usual
 
 
 def test_both_feet_must_leave_the_ground_to_fly():
@@ -91,10 +134,18 @@ def test_both_feet_must_leave_the_ground_to_fly():
     feet[..., 3] = 1.0
     soles = sole_corners(compile_model())
     feet[..., 2] = -soles[..., 2].min() + np.array([[0, 0], [0.1, 0], [0.1, 0.014], [0.1, 0.016]])
-    assert in_flight(feet, soles).tolist() == [False, False, False, True]
-    assert in_flight(feet, soles, lambda xy: 0.1 + 0 * xy[..., 0]).tolist() == [False] * 4
+    links = np.zeros((4, 15, 13), np.float32)
+    links[..., 3] = 1.0
+
+    def share(floor_at=flat):
+        links[:, [RIGHT, LEFT]] = feet
+        return gait_of([links], floor_at=floor_at).flight_share
+
+    assert share() == 0.25
+    assert share(lambda xy: 0.1 + 0 * xy[..., 0]) == 0
+    assert clearances(feet, soles)[:, 1] == pytest.approx([0, 0, 0.014, 0.016], abs=1e-6)
     feet[3, 1, 3:7] = np.cos(0.2), 0, np.sin(0.2), 0  # a toe points down and touches
-    assert not in_flight(feet, soles)[3]
+    assert share() == 0
 
 
 def test_without_a_stretch_there_is_no_gait():
