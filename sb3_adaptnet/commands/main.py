@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import gymnasium as gym
 
 from adapt_envs.commands import doctor, envs, motions
-from sb3_adaptnet.commands import adapt, curves, demo, export, hub, play, sweep, train, world_model
+from sb3_adaptnet.commands import adapt, curves, demo, export, hub, play, stack, sweep, train, world_model
 from sb3_adaptnet.commands import eval as evaluation
 from sb3_adaptnet.commands.bench import env as bench_env
 from sb3_adaptnet.commands.bench import train as bench_train
@@ -27,7 +27,7 @@ def make_parser() -> argparse.ArgumentParser:
     adapt.add_parser(subparsers)
     sweep.add_parser(subparsers)
     evaluation.add_parser(subparsers)
-    evaluation.add_stack_parser(subparsers)
+    stack.add_parser(subparsers)
     play.add_parser(subparsers)
     export.add_parser(subparsers)
     hub.add_parser(subparsers)

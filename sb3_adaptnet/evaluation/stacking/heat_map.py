@@ -12,11 +12,12 @@ from matplotlib.patches import Rectangle
 
 from adapt_envs.drawing.palette import BLUE, INK, PAPER, css
 from sb3_adaptnet.evaluation.stacking.cells import ACTING, Cell
+from sb3_adaptnet.evaluation.stacking.table import weights_of
 from sb3_adaptnet.weights.atomic_file import write_atomically
 
 _MOST = 60.0
 """Falls per minute of the darkest cell."""
-_WIDTH, _HEIGHT, _LEFT, _ABOVE, _LEGEND = 0.82, 0.62, 1.9, 0.8, 0.4
+_WIDTH, _HEIGHT, _LEFT, _ABOVE, _LEGEND = 0.82, 0.68, 1.9, 0.8, 0.4
 """Size of a cell, and the room for names at its left, for titles above and below a block, and for the legend [inches].
 """
 _GAP = 0.4
@@ -48,7 +49,12 @@ def write_heat_map(pairs: Sequence[Sequence[Cell]], path: str | Path) -> None:
         place = (_LEFT / width, (below + 0.35) / whole, across / width, _HEIGHT * rows / whole)
         _draw_block(figure.add_axes(place), block)
     words = "colour, first line: falls per minute; second: goal reward;\nthird: error to the style's clip [cm], "
-    figure.text(0.1 / width, 0.1 / whole, f"{words}v: the style is visible; framed: adds up", fontsize=8)
+    figure.text(
+        0.1 / width,
+        0.1 / whole,
+        f"{words}v: the style is visible; fourth: weights, if found; framed: adds up",
+        fontsize=8,
+    )
     write_atomically(Path(path), canvas.print_png)
 
 
@@ -82,9 +88,11 @@ def _draw_block(axes: Axes, block: Sequence[Sequence[Cell]]) -> None:
 
 
 def _words(cell: Cell) -> str:
-    """Falls, goal reward, and the style's error with a mark where it is visible."""
+    """Falls, goal reward, the style's error with a mark where it is visible, and weights of a sum that has others."""
     lines = [f"{cell.falls_per_minute:.1f}", f"{cell.goal_reward:.2f}"]
     if cell.visible is not None:
         error = "-" if cell.tempo_error_m is None else f"{100 * cell.tempo_error_m:.1f}"
         lines.append(f"{error} v" if cell.visible else error)
+    if cell.acting == ACTING[-1] and cell.weights != (1.0, 1.0):
+        lines.append(weights_of(cell))
     return "\n".join(lines)

@@ -12,7 +12,7 @@ from sb3_adaptnet.weights.atomic_file import write_atomically
 
 Four = Sequence[Cell]
 """The cells of one pair, in the order of `cells.ACTING`."""
-_HEAD = ("stack", "falls per minute", "goal reward", "style error [m]", "style visible", "adds up")
+_HEAD = ("stack", "weights", "falls per minute", "goal reward", "style error [m]", "style visible", "adds up")
 
 
 def markdown(pairs: Sequence[Four]) -> str:
@@ -35,13 +35,18 @@ def _name(cells: Four) -> str:
     return f"{cells[0].first} + {cells[0].second}"
 
 
+def weights_of(cell: Cell) -> str:
+    """How strongly the two act, such as "1 + 1.2"."""
+    return "{:g} + {:g}".format(*cell.weights)
+
+
 def _row(cells: Four) -> tuple[str, ...]:
     def each(name: str, text: str) -> str:
         return " / ".join(text_of(getattr(cell, name), text) for cell in cells)
 
     adds_up = "**yes**" if cells[-1].adds_up else "no"
     figures = (each("falls_per_minute", "{:.1f}"), each("goal_reward", "{:.2f}"), each("tempo_error_m", "{:.3f}"))
-    return _name(cells), *figures, each("visible", ""), adds_up
+    return _name(cells), weights_of(cells[-1]), *figures, each("visible", ""), adds_up
 
 
 def write_csv(pairs: Sequence[Four], path: Path) -> None:
@@ -50,5 +55,5 @@ def write_csv(pairs: Sequence[Four], path: Path) -> None:
     writer = csv.DictWriter(text, [item.name for item in fields(Cell)], lineterminator="\n")
     writer.writeheader()
     for cell in (cell for cells in pairs for cell in cells):
-        writer.writerow(asdict(cell) | {"failed_tests": "; ".join(cell.failed_tests)})
+        writer.writerow(asdict(cell) | {"weights": weights_of(cell), "failed_tests": "; ".join(cell.failed_tests)})
     write_atomically(path, lambda stream: stream.write(text.getvalue().encode()))

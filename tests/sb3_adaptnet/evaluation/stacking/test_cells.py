@@ -27,9 +27,9 @@ def tiny(tmp_path_factory):
     return made
 
 
-def cell(acting="both", falls=0.2, visible=True, first="walk-a", kinds="style + ground"):
+def cell(acting="both", falls=0.2, visible=True, first="walk-a", kinds="style + ground", weights=(1.0, 1.0)):
     error = None if visible is None else 0.03
-    return Cell(first, "walk-b", kinds, acting, "0.5-0.8", 0.5, falls, error, visible, (), 200.0, 0)
+    return Cell(first, "walk-b", kinds, acting, weights, "0.5-0.8", 0.5, falls, error, visible, (), 200.0, 0)
 
 
 def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, tmp_path, capsys, monkeypatch):
@@ -63,6 +63,31 @@ def test_goals_may_have_the_bases_speeds(tiny, monkeypatch):
     assert [cell.speeds for cell in found] == ["1-1.5"] * 4
 
 
+def test_found_weights_are_the_best_with_another_seed_and_measured_with_the_one_asked_for(tiny, monkeypatch):
+    monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
+    monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
+    tried = ((1.0, 1.0), (0.0, 0.0), (1.0, 3.0))
+    monkeypatch.setattr(cells, "WEIGHTS", tried)
+    pairs = pairs_of([tiny["Stoop"], tiny["IceWalk"]])
+    (found,) = cells.measure_pairs(pairs, 40.0, 2, threads=1, find_weights=True)
+    asked = {}
+    for weights in tried:
+        monkeypatch.setattr(cells, "WEIGHTS", (weights,))
+        (other,) = cells.measure_pairs(pairs, 40.0, 1002, threads=1, find_weights=True)
+        asked[weights] = (len(other[-1].failed_tests), other[-1].falls_per_minute)
+        assert other[-1].weights == weights
+    assert len(set(asked.values())) > 1 and asked[found[-1].weights] == min(asked.values())
+    assert {one.seed for one in found} == {2}
+    assert [one.weights for one in found[:3]] == [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
+
+
+def test_what_adds_up_at_full_strength_is_left_so(tiny, monkeypatch):
+    monkeypatch.setattr(cells, "MOST_FALLS", 1000.0)
+    pairs = pairs_of([tiny["LongShinsWalk"], tiny["IceWalk"]])
+    (found,) = cells.measure_pairs(pairs, 0.7, 0, threads=1, find_weights=True)  # too short to fall
+    assert found[-1].adds_up and found[-1].weights == (1.0, 1.0)
+
+
 def test_a_sum_adds_up_if_it_seldom_falls_and_its_style_is_visible():
     assert cell().adds_up and cell(falls=0.5).adds_up
     assert not cell(falls=0.6).adds_up and not cell(visible=False).adds_up
@@ -71,13 +96,18 @@ def test_a_sum_adds_up_if_it_seldom_falls_and_its_style_is_visible():
 
 def test_table_and_picture_say_which_add_up(tmp_path):
     pairs = [
-        [cell(acting, falls, acting == "both", name) for acting, falls in zip(cells.ACTING, found, strict=True)]
+        [
+            cell(acting, falls, acting == "both", name, weights=(1.0, 1.2))
+            for acting, falls in zip(cells.ACTING, found, strict=True)
+        ]
         for name, found in (("walk-a", (33.0, 4.0, 0.9, 0.2)), ("walk-c", (33.0, 4.0, 0.9, 2.0)))
     ]
     text = markdown(pairs).splitlines()
     bar = "fall at most 0.5 times a minute with the style visible"
     assert text[0] == f"style + ground: 1 of 2 pairs {bar}: walk-a + walk-b."
-    assert text[4].startswith("| walk-a + walk-b | 33.0 / 4.0 / 0.9 / 0.2 | ") and text[4].endswith("| **yes** |")
+    assert text[4].startswith("| walk-a + walk-b | 1 + 1.2 | 33.0 / 4.0 / 0.9 / 0.2 | ") and text[4].endswith(
+        "| **yes** |"
+    )
     assert text[5].endswith("| no / no / no / yes | no |")
     write_heat_map(pairs, tmp_path / "map.png")
     picture = cv2.imread(str(tmp_path / "map.png")).reshape(-1, 3)
