@@ -134,6 +134,11 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
         return float(self.worlds.footing[0])
 
     @property
+    def tracking(self) -> float:
+        """In (0, 1]: how near the last pose was to the motion at its own tempo, 0 if it does not repeat."""
+        return float(self.worlds.tracking[0])
+
+    @property
     def clearance(self) -> float:
         """In [0, 1]: how much room obstacles left in the last transition; an objective, too."""
         return float(self.worlds.clearance[0])

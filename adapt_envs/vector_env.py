@@ -192,6 +192,11 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
         return self.worlds.footing
 
     @property
+    def tracking(self) -> NDArray[np.float64]:
+        """(N,) in (0, 1]: how near the last poses were to the motion at its own tempo, 0 if it does not repeat."""
+        return self.worlds.tracking
+
+    @property
     def clearance(self) -> NDArray[np.float64]:
         """(N,) in [0, 1]: how much room obstacles left in the last transition; an objective, too."""
         return self.worlds.clearance

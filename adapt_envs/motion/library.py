@@ -140,6 +140,16 @@ class ReferenceMotion:
         )
 
     @property
+    def poses(self) -> NDArray[np.float32]:
+        """(P, 15, 7) position [m] and quaternion of the links in each frame, heading frame: the windows' last ones."""
+        return self._windows[:, -1]
+
+    @property
+    def speed(self) -> float:
+        """Mean speed of the first clip [m/s], as the body shows it if the windows do."""
+        return (self.shown if self._windows_on_body else self.clips[0]).mean_speed
+
+    @property
     def num_states(self) -> int:
         """Number of start states."""
         return len(self._valid)

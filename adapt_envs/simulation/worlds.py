@@ -29,6 +29,7 @@ from adapt_envs.tasks.goal import goal_observation, goal_reward
 from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes
 from adapt_envs.tasks.termination import LOST_DISTANCE, RUNNING, ends
+from adapt_envs.tasks.tracking import PhaseClock, tracking_reward
 
 
 class Worlds:
@@ -69,6 +70,8 @@ class Worlds:
         self._all = np.arange(num_worlds)
         self._features = np.zeros_like(self.history)
         self._last: Observations | None = None
+        self._clock: PhaseClock | None = None
+        self._tracking = np.zeros(num_worlds)
 
     def compiled(self, ground: Ground) -> mujoco.MjModel:
         """The task's character on some ground: on its own for physics, on a piece of it for pictures."""
@@ -94,6 +97,24 @@ class Worlds:
         """(N,) how little the feet slid in the last step, in (0, 1]; see `footing_reward`."""
         return footing_reward(self._features[..., :POSE], sole_corners(self.model))
 
+    @property
+    def tracking(self) -> NDArray[np.float64]:
+        """(N,) how near the last step was to the motion at the motion's own tempo, in (0, 1]; see `PhaseClock`.
+
+        It is followed from the first reading on, which is of the nearest frames. 0 if the motion does not repeat: a
+        clip of minutes does not say which of its poses should come next.
+        """
+        if self._clock is None and self.reference.clips[0].cyclic:
+            self._clock = PhaseClock(self.reference.poses[..., :3], self.reference.speed, len(self._all))
+            self._clock.restart(self._all, self._positions)
+            self._tracking = tracking_reward(self._clock.distances(self._positions))
+        return self._tracking.copy()
+
+    @property
+    def _positions(self) -> NDArray[np.float32]:
+        """(N, 15, 3) of the links [m] now, heading frame."""
+        return self._features[:, -1, :, :3]
+
     def reset(self, ids: NDArray[np.integer], start: int | NDArray[np.integer] | None = None) -> Observations:
         """Restart the worlds `ids` from states of the motion with new goals; held goals stay held.
 
@@ -114,6 +135,8 @@ class Worlds:
             self.pushes.restart(ids, self.rng)
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
         features = heading_frame_features(history, self.ground.floor_at(self.root_xy[ids]))
+        if self._clock is not None:
+            self._clock.restart(ids, features[:, -1, :, :3])
         fresh = self._observed(features, ids)
         if self._last is None:
             self._features[ids] = features
@@ -164,6 +187,8 @@ class Worlds:
         renewed = np.flatnonzero(self.goals.expire() & (code == RUNNING))
         self.goals.sample(renewed, after[renewed], self.root_heading[renewed], self.rng)
         self._features = heading_frame_features(self.history, self.ground.floor_at(after))
+        if self._clock is not None:
+            self._tracking = tracking_reward(self._clock.distances(self._positions))
         return self._remembered(self._observed(self._features, self._all), diverged), reward, code
 
     def _remember_links(self, diverged: NDArray[np.bool_]) -> None:

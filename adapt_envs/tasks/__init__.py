@@ -1,4 +1,4 @@
-"""What is asked of the character: goals, pushes, foot slip, clearance and the ends of episodes, over arrays."""
+"""What is asked of the character: goals, pushes, foot slip, tracking, clearance, ends of episodes; over arrays."""
 
 from adapt_envs.tasks.clearance import clearance_reward
 from adapt_envs.tasks.foot_slip import footing_reward
@@ -6,6 +6,7 @@ from adapt_envs.tasks.goal import GOAL_RADIUS, goal_observation, goal_reward, ta
 from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes, PushSchedule
 from adapt_envs.tasks.termination import DIVERGED, ENDS, FALL, LOST, RUNNING, TIME, ends
+from adapt_envs.tasks.tracking import PhaseClock, tracking_reward
 
 __all__ = [
     "DIVERGED",
@@ -16,6 +17,7 @@ __all__ = [
     "RUNNING",
     "TIME",
     "Goals",
+    "PhaseClock",
     "PushSchedule",
     "Pushes",
     "clearance_reward",
@@ -24,4 +26,5 @@ __all__ = [
     "goal_observation",
     "goal_reward",
     "targets_ahead",
+    "tracking_reward",
 ]

@@ -37,7 +37,7 @@ class StyleFigures:
         failed_tests: which tests failed, in words.
         cadence_hz: strides per second of one foot; None also where nothing repeats.
         clip_cadence_hz: the clip's.
-        foot_height_m: 99th percentile of the height of the ankles above the ground [m].
+        foot_height_m: how high a foot rises in a typical stride [m], see `gait_of`.
         clip_foot_height_m: the clip's.
         flight_share: share of frames in which neither foot touches the ground.
         clip_flight_share: the clip's.

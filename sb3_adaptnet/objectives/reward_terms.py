@@ -24,5 +24,5 @@ def environments_own(attribute: str, step: dict[str, Any]) -> NDArray[np.float32
         raise ValueError(f"the objective {attribute!r} needs environments with the attribute {attribute!r}") from error
 
 
-TERMS: dict[str, RewardTerm] = {name: partial(environments_own, name) for name in ("footing", "clearance")}
-"""Reward terms by name: feet that stay where they stand, and room to obstacles."""
+TERMS: dict[str, RewardTerm] = {name: partial(environments_own, name) for name in ("footing", "clearance", "tracking")}
+"""Reward terms by name: feet that stay where they stand, room to obstacles, and the clip's poses at its tempo."""
