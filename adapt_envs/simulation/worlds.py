@@ -188,7 +188,7 @@ class Worlds:
         self.goals.sample(renewed, after[renewed], self.root_heading[renewed], self.rng)
         self._features = heading_frame_features(self.history, self.ground.floor_at(after))
         if self._clock is not None:
-            self._tracking = tracking_reward(self._clock.distances(self._positions))
+            self._tracking = tracking_reward(self._clock.advance(self._positions, self.goals.speed))
         return self._remembered(self._observed(self._features, self._all), diverged), reward, code
 
     def _remember_links(self, diverged: NDArray[np.bool_]) -> None:

@@ -64,6 +64,21 @@ def test_a_world_that_is_far_off_is_met_where_it_is():
     assert clock.phases[0] == pytest.approx(1)
 
 
+def test_environments_follow_the_motion_step_by_step():
+    env = make_vector(env_id("Stoop"), 4)
+    env.reset(seed=0)
+    assert env.tracking == pytest.approx(np.ones(4), abs=1e-3)  # followed from here on
+    positions = env.pose_windows[:, -1, :, :3]
+    clock = PhaseClock(env.worlds.reference.poses[..., :3], env.worlds.reference.speed, 4)
+    clock.restart(np.arange(4), positions)
+    pose = np.tile(env.single_action_space.mean_pose, (4, 1))
+    for _ in range(8):
+        env.step(pose)
+        speeds = env.goal_states.speed
+        assert env.tracking == pytest.approx(tracking_reward(clock.advance(env.pose_windows[:, -1, :, :3], speeds)))
+    assert 0.1 < env.tracking.mean() < 0.9
+
+
 def test_environments_keep_it_for_the_transition_before_a_restart():
     env = make_vector(env_id("Stoop"), 16)
     env.reset(seed=0)
