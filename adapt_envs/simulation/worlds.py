@@ -107,8 +107,11 @@ class Worlds:
         if self._clock is None and self.reference.clips[0].cyclic:
             self._clock = PhaseClock(self.reference.poses[..., :3], self.reference.speed, len(self._all))
             self._clock.restart(self._all, self._positions)
-            self._tracking = tracking_reward(self._clock.distances(self._positions))
+            self._tracking = self._tracked(self._clock)
         return self._tracking.copy()
+
+    def _tracked(self, clock: PhaseClock) -> NDArray[np.float64]:
+        return tracking_reward(clock.distances(self._positions), clock.drifts)
 
     @property
     def _positions(self) -> NDArray[np.float32]:
@@ -188,7 +191,8 @@ class Worlds:
         self.goals.sample(renewed, after[renewed], self.root_heading[renewed], self.rng)
         self._features = heading_frame_features(self.history, self.ground.floor_at(after))
         if self._clock is not None:
-            self._tracking = tracking_reward(self._clock.advance(self._positions, self.goals.speed))
+            self._clock.advance(self._positions, self.goals.speed)
+            self._tracking = self._tracked(self._clock)
         return self._remembered(self._observed(self._features, self._all), diverged), reward, code
 
     def _remember_links(self, diverged: NDArray[np.bool_]) -> None:

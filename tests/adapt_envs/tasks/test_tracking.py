@@ -5,7 +5,7 @@ import pytest
 
 from adapt_envs import env_id, make_vector
 from adapt_envs.motion.library import reference_motion
-from adapt_envs.tasks.tracking import LOST, MOST_DRIFT, TRACKING_SCALE, PhaseClock, tracking_reward
+from adapt_envs.tasks.tracking import DRIFT_SCALE, FREE_DRIFT, LOST, TRACKING_SCALE, PhaseClock, tracking_reward
 
 STRUTTING = reference_motion("Strutting")
 CYCLE = STRUTTING.poses[..., :3]
@@ -15,53 +15,69 @@ STARTS = WORLDS * PERIOD // len(WORLDS)
 
 
 def frames(phases):
-    return CYCLE[np.rint(phases).astype(int) % PERIOD]
+    """Poses of the cycle, between frames in a straight line."""
+    whole = np.floor(phases).astype(int)
+    before, after = CYCLE[whole % PERIOD], CYCLE[(whole + 1) % PERIOD]
+    return before + (phases - whole)[:, None, None] * (after - before)
 
 
-def rewards_at(tempo, speed=1.0, steps=300):
-    """Mean reward of the clip itself, `tempo` times as quick, where `speed` times its speed is asked for."""
+def started():
     clock = PhaseClock(CYCLE, STRUTTING.speed, len(WORLDS))
     clock.restart(WORLDS, frames(STARTS))
-    speeds = np.full(len(WORLDS), speed * STRUTTING.speed)
-    steps = range(1, steps + 1)
-    return np.mean([tracking_reward(clock.advance(frames(STARTS + tempo * step), speeds)) for step in steps])
+    return clock
 
 
-def test_the_reward_is_one_at_the_motion_and_falls_with_the_distance():
-    assert tracking_reward(np.array([0, TRACKING_SCALE, 2 * TRACKING_SCALE])) == pytest.approx([1, 1 / np.e, np.e**-4])
+def followed(tempo, speed=1.0):
+    """Drift and reward after ten seconds of the clip itself, `tempo` times as quick, at `speed` times its speed."""
+    clock, speeds = started(), np.full(len(WORLDS), speed * STRUTTING.speed)
+    for step in range(1, 301):
+        clock.advance(frames(STARTS + tempo * step), speeds)
+    reward = tracking_reward(clock.distances(frames(STARTS + tempo * 300)), clock.drifts)
+    return clock.drifts.mean(), reward.mean()
+
+
+def test_the_reward_is_one_at_the_motion_and_halved_by_either_scale():
+    distances, drifts = np.array([0, TRACKING_SCALE, 0, 0]), np.array([FREE_DRIFT, 0, FREE_DRIFT + DRIFT_SCALE, 0])
+    assert tracking_reward(distances, drifts) == pytest.approx([1, 0.5, 0.5, 1])
+    assert tracking_reward(distances, -drifts) == pytest.approx([1, 0.5, 0.5, 1])
 
 
 def test_a_clock_starts_at_the_nearest_frame_and_goes_on_with_the_clip():
-    clock = PhaseClock(CYCLE, STRUTTING.speed, len(WORLDS))
-    clock.restart(WORLDS, frames(STARTS))
+    clock = started()
     assert (clock.phases == STARTS).all()
     for step in range(1, 2 * PERIOD):
-        assert clock.advance(frames(STARTS + step), np.full(len(WORLDS), STRUTTING.speed)) == pytest.approx(0)
-    assert (clock.phases == (STARTS + 2 * PERIOD - 1) % PERIOD).all()
+        clock.advance(frames(STARTS + step), np.full(len(WORLDS), STRUTTING.speed))
+        assert clock.distances(frames(STARTS + step)) == pytest.approx(0, abs=0.01)
+    off = (clock.phases - STARTS + 1 + PERIOD / 2) % PERIOD - PERIOD / 2
+    assert off == pytest.approx(0, abs=0.3)
 
 
-def test_the_clip_too_quick_or_too_slow_is_worth_half_as_much():
-    assert rewards_at(1.0) > 0.95
-    assert rewards_at(1.0 + 0.8 * MOST_DRIFT) > 0.9
-    assert rewards_at(1.25) < 0.55
-    assert rewards_at(0.8) < 0.55
+@pytest.mark.parametrize("tempo", [0.7, 0.85, 1.0, 1.1, 1.3])
+def test_the_drift_is_how_much_too_quick_the_steps_are(tempo):
+    assert followed(tempo)[0] == pytest.approx(tempo - 1, abs=0.02)
+
+
+def test_every_step_towards_the_right_tempo_pays():
+    for tempos in ((1.5, 1.35, 1.2, 1.1, 1.0), (0.65, 0.75, 0.9, 1.0)):
+        rewards = [followed(tempo)[1] for tempo in tempos]
+        assert rewards == sorted(rewards)
+        assert rewards[0] < 0.15
+        assert rewards[-1] > 0.98
 
 
 def test_who_is_asked_for_more_speed_may_step_quicker():
-    assert rewards_at(np.sqrt(1.2), speed=1.2) > 0.9
-    assert rewards_at(np.sqrt(1.2), speed=1.0) < 0.6
-    assert rewards_at(1.3, speed=4.0) < 0.6  # no quicker than 1.15 times
+    assert followed(np.sqrt(1.2), speed=1.2)[0] == pytest.approx(0, abs=0.01)
+    assert followed(np.sqrt(1.2), speed=1.0)[0] == pytest.approx(np.sqrt(1.2) - 1, abs=0.01)
+    assert followed(1.3, speed=4.0)[0] == pytest.approx(1.3 / 1.15 - 1, abs=0.01)  # at most 1.15 times as quick
 
 
 def test_a_world_that_is_far_off_is_met_where_it_is():
-    clock = PhaseClock(CYCLE, STRUTTING.speed, 2)
-    clock.restart(np.arange(2), frames(np.zeros(2)))
-    fallen = frames(np.array([1.0, PERIOD / 2]))
-    fallen[1] += 2 * LOST
-    before = clock.advance(fallen, np.full(2, STRUTTING.speed))
-    assert before[1] > LOST
-    assert abs(clock.phases[1] - PERIOD / 2) < PERIOD / 4
-    assert clock.phases[0] == pytest.approx(1)
+    clock = started()
+    positions = frames(STARTS + 1)
+    positions[3] = frames(np.array([PERIOD / 5]))[0] + [0, 0, 1.2 * LOST]
+    clock.advance(positions, np.full(len(WORLDS), STRUTTING.speed))
+    assert clock.phases[3] == pytest.approx(PERIOD / 5, abs=2)
+    assert clock.phases[[0, 1, 2]] == pytest.approx(STARTS[:3] + 1, abs=0.3)
 
 
 def test_environments_follow_the_motion_step_by_step():
@@ -74,8 +90,9 @@ def test_environments_follow_the_motion_step_by_step():
     pose = np.tile(env.single_action_space.mean_pose, (4, 1))
     for _ in range(8):
         env.step(pose)
-        speeds = env.goal_states.speed
-        assert env.tracking == pytest.approx(tracking_reward(clock.advance(env.pose_windows[:, -1, :, :3], speeds)))
+        positions = env.pose_windows[:, -1, :, :3]
+        clock.advance(positions, env.goal_states.speed)
+        assert env.tracking == pytest.approx(tracking_reward(clock.distances(positions), clock.drifts))
     assert 0.1 < env.tracking.mean() < 0.9
 
 
