@@ -51,6 +51,7 @@ class AdaptNetPolicy(PolicyFromBase):
         beta: float = 0.01,
         kappa: float = 0.01,
         alpha: float = 1.0,
+        noise: float = 1.0,
         start: str | Path | None = None,
         companions: Sequence[str | Path] = (),
         companion_kl: float = 5.0,
@@ -68,6 +69,8 @@ class AdaptNetPolicy(PolicyFromBase):
             beta: coefficient of the injection's norm (eq. 12).
             kappa: coefficient of the adaptors' norm (eq. 12).
             alpha: scale of the adaptation.
+            noise: factor on the standard deviations of the base's actions while it learns, above 0. Under less noise
+                PPO keeps slow, long steps, which noise makes unsafe, and learns more slowly where much is to be found.
             start: adaptation of the same base to go on from, a shipped one's name or a file; the choices above, up to
                 `injector`, are then the file's, and so is whether a heightmap is read: with one that reads none, the
                 adaptation stays blind, which a warning says. The training must be gentle with it, as `adaptnet train
@@ -87,8 +90,11 @@ class AdaptNetPolicy(PolicyFromBase):
         """
         if not injector and adaptors is None:
             raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
+        if not 0.0 < noise < math.inf:
+            raise ValueError(f"noise is a factor above 0, not {noise}")
         self._shape = AdaptationShape(injection, own_encoder, adaptors, rank, injector)
         self._penalties = Penalties(beta, kappa, companion_kl)
+        self._noise = float(noise)
         self.merged = False
         super().__init__(*args, **settings)
         self.alpha = alpha
@@ -107,7 +113,7 @@ class AdaptNetPolicy(PolicyFromBase):
         shape = replace(self._shape, heightmap=self.reads_heightmap and self._shape.injector)
         adaptation = Adaptation(base.architecture, shape)
         adaptation.start_from(base)
-        return AdaptedActor(base, {TRAINED: adaptation}, self._penalties)
+        return AdaptedActor(base, {TRAINED: adaptation}, self._penalties, self._noise)
 
     def _go_on_from(self, start: str | Path) -> None:
         if resolve(start).is_file():
@@ -228,7 +234,7 @@ class AdaptNetPolicy(PolicyFromBase):
             shape = AdaptationShape.from_dict(values)
             adaptation = Adaptation(base.architecture, shape)
             adaptations[name] = adaptation.requires_grad_(name == TRAINED and not self.merged)
-        return AdaptedActor(base, adaptations, self._penalties)
+        return AdaptedActor(base, adaptations, self._penalties, self._noise)
 
     def runtime(self) -> dict[str, Any]:
         """Alpha and the blend's weights."""

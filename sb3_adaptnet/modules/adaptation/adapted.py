@@ -40,11 +40,16 @@ class AdaptedActor(Actor):
         weights: name -> weight in the blend.
         alpha: overall scale.
         penalties: coefficients of eq. 12, used while gradients are computed.
+        noise: factor on the base's standard deviations.
         companions: adaptations that act beside these in worlds that name one, or None.
     """
 
     def __init__(
-        self, base: Backbone, adaptations: Mapping[str, Adaptation], penalties: Penalties | None = None
+        self,
+        base: Backbone,
+        adaptations: Mapping[str, Adaptation],
+        penalties: Penalties | None = None,
+        noise: float = 1.0,
     ) -> None:
         super().__init__()
         self.architecture = base.architecture
@@ -53,6 +58,7 @@ class AdaptedActor(Actor):
         self.weights = dict.fromkeys(adaptations, 1.0)
         self.alpha = 1.0
         self.penalties = penalties or Penalties()
+        self.noise = noise
         self.companions: Companions | None = None
         self._layers: list[tuple[torch.Tensor, torch.Tensor]] | None = None  # summed, within `one_update`
 
@@ -166,7 +172,8 @@ class AdaptedActor(Actor):
                 output = output if term is None else output + term
             latent = functional.relu6(output)
             extra = None
-        return self.base.heads(latent)
+        mean, log_std = self.base.heads(latent)
+        return mean, log_std if self.noise == 1.0 else log_std + math.log(self.noise)
 
     def _companions_of(self, observation: Observation, base_latent: torch.Tensor) -> ActingCompanions | None:
         if self.companions is None or observation.companion is None:
