@@ -29,7 +29,7 @@ from adapt_envs.tasks.goal import goal_observation, goal_reward
 from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes
 from adapt_envs.tasks.termination import LOST_DISTANCE, RUNNING, ends
-from adapt_envs.tasks.tracking import PhaseClock, share_of_style, tracking_reward
+from adapt_envs.tasks.tracking import PhaseClock, tracking_reward
 
 
 class Worlds:
@@ -111,8 +111,7 @@ class Worlds:
         return self._tracking.copy()
 
     def _tracked(self, clock: PhaseClock) -> NDArray[np.float64]:
-        share = share_of_style(self.goals.target - self.root_xy, self.root_heading)
-        return tracking_reward(clock.distances(self._positions), clock.drifts, share)
+        return tracking_reward(clock.distances(self._positions), clock.drifts)
 
     @property
     def _positions(self) -> NDArray[np.float32]:

@@ -6,7 +6,7 @@ from adapt_envs.tasks.goal import GOAL_RADIUS, goal_observation, goal_reward, ta
 from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes, PushSchedule
 from adapt_envs.tasks.termination import DIVERGED, ENDS, FALL, LOST, RUNNING, TIME, ends
-from adapt_envs.tasks.tracking import PhaseClock, share_of_style, tracking_reward
+from adapt_envs.tasks.tracking import PhaseClock, tracking_reward
 
 __all__ = [
     "DIVERGED",
@@ -25,7 +25,6 @@ __all__ = [
     "footing_reward",
     "goal_observation",
     "goal_reward",
-    "share_of_style",
     "targets_ahead",
     "tracking_reward",
 ]
