@@ -90,8 +90,6 @@ class AdaptNetPolicy(PolicyFromBase):
         """
         if not injector and adaptors is None:
             raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
-        if not 0.0 < noise < math.inf:
-            raise ValueError(f"noise is a factor above 0, not {noise}")
         self._shape = AdaptationShape(injection, own_encoder, adaptors, rank, injector)
         self._penalties = Penalties(beta, kappa, companion_kl)
         self._noise = float(noise)

@@ -52,6 +52,8 @@ class AdaptedActor(Actor):
         noise: float = 1.0,
     ) -> None:
         super().__init__()
+        if not 0.0 < noise < math.inf:
+            raise ValueError(f"noise is a factor above 0, not {noise}")
         self.architecture = base.architecture
         self.base = base.requires_grad_(False)
         self.adaptations = nn.ModuleDict(adaptations)
