@@ -12,7 +12,7 @@ DRIFT_SCALE, FREE_DRIFT = 0.12, 0.03
 """Relative error of the tempo that halves the reward, and what is free of charge: tempo sways a little in turns."""
 TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO = 0.5, 0.87, 1.15
 """The cycle should run at this power of the preferred speed over its own, within these bounds: who walks faster takes
-longer and quicker steps."""
+longer and quicker steps. So do `SVG`'s guides, which know nothing of this package: a test holds the two together."""
 GAIN, MOST_SHIFT = 0.3, 0.6
 """A clock moves by this share of the way to the best frame nearby, and by as many frames per step at most. It keeps up
 with tempos of 0.6 to 1.5; one that could not would lose its character, and then no tempo were better than another."""

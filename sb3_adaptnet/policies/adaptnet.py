@@ -69,8 +69,7 @@ class AdaptNetPolicy(PolicyFromBase):
             beta: coefficient of the injection's norm (eq. 12).
             kappa: coefficient of the adaptors' norm (eq. 12).
             alpha: scale of the adaptation.
-            noise: factor on the standard deviations of the base's actions while it learns, above 0. Under less noise
-                PPO keeps slow, long steps, which noise makes unsafe, and learns more slowly where much is to be found.
+            noise: factor on the standard deviations of the base's actions, which act while it learns; above 0.
             start: adaptation of the same base to go on from, a shipped one's name or a file; the choices above, up to
                 `injector`, are then the file's, and so is whether a heightmap is read: with one that reads none, the
                 adaptation stays blind, which a warning says. The training must be gentle with it, as `adaptnet train
@@ -91,8 +90,7 @@ class AdaptNetPolicy(PolicyFromBase):
         if not injector and adaptors is None:
             raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
         self._shape = AdaptationShape(injection, own_encoder, adaptors, rank, injector)
-        self._penalties = Penalties(beta, kappa, companion_kl)
-        self._noise = float(noise)
+        self._penalties, self._noise = Penalties(beta, kappa, companion_kl), float(noise)
         self.merged = False
         super().__init__(*args, **settings)
         self.alpha = alpha

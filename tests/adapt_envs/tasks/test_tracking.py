@@ -5,14 +5,9 @@ import pytest
 
 from adapt_envs import env_id, make_vector
 from adapt_envs.motion.library import reference_motion
-from adapt_envs.tasks.tracking import (
-    DRIFT_SCALE,
-    FREE_DRIFT,
-    LOST,
-    TRACKING_SCALE,
-    PhaseClock,
-    tracking_reward,
-)
+from adapt_envs.tasks import tracking
+from adapt_envs.tasks.tracking import DRIFT_SCALE, FREE_DRIFT, LOST, TRACKING_SCALE, PhaseClock, tracking_reward
+from sb3_adaptnet.algorithms.tracking import guide
 
 STRUTTING = reference_motion("Strutting")
 CYCLE = STRUTTING.poses[..., :3]
@@ -76,6 +71,11 @@ def test_who_is_asked_for_more_speed_may_step_quicker():
     assert followed(np.sqrt(1.2), speed=1.2)[0] == pytest.approx(0, abs=0.01)
     assert followed(np.sqrt(1.2), speed=1.0)[0] == pytest.approx(np.sqrt(1.2) - 1, abs=0.01)
     assert followed(1.3, speed=4.0)[0] == pytest.approx(1.3 / 1.15 - 1, abs=0.01)  # at most 1.15 times as quick
+
+
+@pytest.mark.parametrize("name", ["TEMPO_EXPONENT", "SLOWEST_TEMPO", "FASTEST_TEMPO"])
+def test_both_learners_ask_for_the_same_tempo(name):
+    assert getattr(tracking, name) == getattr(guide, name)
 
 
 def test_a_world_that_is_far_off_is_met_where_it_is():
