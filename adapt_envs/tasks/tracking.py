@@ -3,6 +3,8 @@
 A reward beyond the paper's two. Discriminators see five frames; steps a fifth too quick look like the clip's there.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,10 +16,7 @@ TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO = 0.5, 0.87, 1.15
 """The cycle should run at this power of the preferred speed over its own, within these bounds: who walks faster takes
 longer and quicker steps. So do `SVG`'s guides, which know nothing of this package: a test holds the two together."""
 GAIN, MOST_SHIFT = 0.3, 0.6
-"""A clock moves by this share of the way to the best frame nearby, and by as many frames per step at most. It keeps up
-with tempos of 0.6 to 1.5; one that could not would lose its character, and then no tempo were better than another."""
-DRIFT_STEPS = 20
-"""Control steps over which drift is averaged."""
+"""A clock moves by this share of the way to the best frame nearby, and by as many frames per step at most."""
 LOST = 0.25
 """Mean distance [m] from which on a clock is set to the nearest frame of the cycle. Half a cycle off is about 0.2 m."""
 _FLAT = 1e-6
@@ -29,7 +28,7 @@ class PhaseClock:
 
     Attributes:
         phases: (N,) frames, fractions included, below the cycle's P.
-        drifts: (N,) relative errors of the tempo: 0.1 for steps a tenth too quick.
+        drifts: (N,) relative errors of the tempo over the last P steps: 0.1 for steps a tenth too quick.
     """
 
     def __init__(self, cycle: NDArray[np.floating], speed: float, num_worlds: int) -> None:
@@ -42,11 +41,14 @@ class PhaseClock:
             num_worlds: N.
         """
         self._cycle, self._speed = np.asarray(cycle, np.float32), speed
+        self._swing = Swing(self._cycle, num_worlds)
         self.phases, self.drifts = np.zeros(num_worlds), np.zeros(num_worlds)
 
     def restart(self, ids: NDArray[np.integer], positions: NDArray[np.floating]) -> None:
         """Set the clocks `ids` (n,) to the frames that are nearest to the positions (n, L, 3) [m], heading frame."""
-        self.phases[ids], self.drifts[ids] = self._nearest(positions), 0
+        nearest = self._nearest(positions)
+        self.phases[ids], self.drifts[ids] = nearest, 0
+        self._swing.restart(ids, nearest)
 
     def _nearest(self, positions: NDArray[np.floating]) -> NDArray[np.integer]:
         products = np.tensordot(positions, self._cycle, ((1, 2), (1, 2)))
@@ -60,14 +62,13 @@ class PhaseClock:
             speeds: (N,) preferred speeds [m/s].
         """
         tempo = np.clip((speeds / self._speed) ** TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO)
-        self.phases = self.phases + tempo
+        self.drifts = self._swing.advance(positions, tempo) - 1
+        self.phases = self.phases + tempo * (1 + self.drifts)
         behind, here, ahead = (
             np.square(self._offsets(positions, shift)).sum(axis=-1).mean(axis=-1) for shift in (-1, 0, 1)
         )
         to_best = (behind - ahead) / (2 * np.maximum(behind - 2 * here + ahead, _FLAT))
-        shifts = np.clip(GAIN * to_best, -MOST_SHIFT, MOST_SHIFT)
-        self.phases = (self.phases + shifts) % len(self._cycle)
-        self.drifts += (shifts / tempo - self.drifts) / DRIFT_STEPS
+        self.phases = (self.phases + np.clip(GAIN * to_best, -MOST_SHIFT, MOST_SHIFT)) % len(self._cycle)
         lost = np.flatnonzero(self.distances(positions) > LOST)
         self.phases[lost] = self._nearest(positions[lost])
 
@@ -80,6 +81,62 @@ class PhaseClock:
         whole = np.floor(self.phases).astype(np.int64)
         before, after = (self._cycle[(whole + shift + k) % len(self._cycle)] for k in (0, 1))
         return positions - before - (self.phases - whole)[:, None, None].astype(np.float32) * (after - before)
+
+
+class Swing:
+    """How fast N characters go around a gait cycle, whatever their poses are otherwise.
+
+    Where the links are in the direction of the cycle's first harmonic (Fourier's), and how fast they move there, are a
+    point that goes around once a cycle. Its turns count the tempo even of who does not look like the cycle: steps of
+    another length, a bent back. The nearest frames do not: with them quick small steps looked like slow ones.
+    """
+
+    def __init__(self, cycle: NDArray[np.floating], num_worlds: int) -> None:
+        """Of a cycle (P, L, 3) [m], heading frame."""
+        flat = np.asarray(cycle, np.float64).reshape(len(cycle), -1)
+        self._turn = 2 * np.pi / len(flat)  # per frame
+        self._middle = flat.mean(axis=0)
+        turns = np.exp(-1j * self._turn * np.arange(len(flat)))
+        self._along = ((flat - self._middle) * turns[:, None]).sum(axis=0).conj()
+        self._own = (flat - self._middle) @ self._along
+        self._own_points = self._point(self._own, np.roll(self._own, 1))
+        self._own_paces = self._turned(self._own_points, np.roll(self._own_points, 1))
+        shape = (num_worlds, len(flat))
+        self._places, self._paces = np.zeros(shape, complex), np.ones(shape)  # of the last P steps, in turn
+        self._points = np.ones(num_worlds, complex)
+        self._steps = 0
+
+    def restart(self, ids: NDArray[np.integer], frames: NDArray[np.integer]) -> None:
+        """Let the characters `ids` (n,) have come to `frames` (n,) of the cycle as the cycle does."""
+        period = len(self._own)
+        ago = (self._steps - 1 - np.arange(period)) % period  # how many steps, of each column
+        before = (frames[:, None] - ago) % period
+        self._places[ids], self._paces[ids] = self._own[before], self._own_paces[before]
+        self._points[ids] = self._own_points[frames]
+
+    def advance(self, positions: NDArray[np.floating], tempo: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Means (N,) over P steps of how many frames a step went on by, divided by how many it should.
+
+        Args:
+            positions: (N, L, 3) of the links now [m], heading frame.
+            tempo: (N,) how many frames this step should go on by.
+        """
+        column, before = self._steps % len(self._own), (self._steps - 1) % len(self._own)
+        self._steps += 1
+        middle, previous = self._places.mean(axis=1), self._places[:, before]
+        now = (positions.reshape(len(positions), -1) - self._middle) @ self._along
+        points = self._point(now - middle, previous - middle)
+        self._places[:, column], self._paces[:, column] = now, self._turned(points, self._points) / tempo
+        self._points = points
+        return np.asarray(self._paces.mean(axis=1))
+
+    def _point(self, now: NDArray[Any], previous: NDArray[Any]) -> NDArray[Any]:
+        """Place and motion as one number, between two steps; of the harmonic itself it turns at a constant rate."""
+        return np.asarray((now + previous) / 2 + (now - previous) / (2j * np.tan(self._turn / 2)))
+
+    def _turned(self, now: NDArray[Any], before: NDArray[Any]) -> NDArray[np.float64]:
+        """Frames between two points."""
+        return np.asarray(np.angle(now * before.conj()) / self._turn)
 
 
 def tracking_reward(distances: NDArray[np.floating], drifts: NDArray[np.floating]) -> NDArray[np.float64]:

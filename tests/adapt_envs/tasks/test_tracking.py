@@ -9,6 +9,10 @@ from adapt_envs.tasks import tracking
 from adapt_envs.tasks.tracking import DRIFT_SCALE, FREE_DRIFT, LOST, TRACKING_SCALE, PhaseClock, tracking_reward
 from sb3_adaptnet.algorithms.tracking import guide
 
+STYLES = (
+    ["Stoop", "Penguin", "Stomp", "Swaggering", "Sashay", "Limp", "Pace", "Strutting", "Kicking", "Joyful"]
+    + ["GooseStep", "JauntySkip"]
+)  # fmt: skip
 STRUTTING = reference_motion("Strutting")
 CYCLE = STRUTTING.poses[..., :3]
 PERIOD = len(CYCLE)
@@ -54,9 +58,35 @@ def test_a_clock_starts_at_the_nearest_frame_and_goes_on_with_the_clip():
     assert off == pytest.approx(0, abs=0.3)
 
 
-@pytest.mark.parametrize("tempo", [0.7, 0.85, 1.0, 1.1, 1.3])
+@pytest.mark.parametrize("tempo", [0.5, 0.7, 0.85, 1.0, 1.1, 1.3, 1.6, 2.2])
 def test_the_drift_is_how_much_too_quick_the_steps_are(tempo):
     assert followed(tempo)[0] == pytest.approx(tempo - 1, abs=0.02)
+
+
+@pytest.mark.parametrize("tempo", [0.7, 1.0, 1.4, 1.8])
+def test_small_steps_with_a_bent_back_have_their_own_tempo(tempo):
+    """Nothing in the cycle looks like them; by the nearest frames nearby steps of 1.8 times the tempo had none."""
+    clock, middle = started(), CYCLE.mean(axis=0)
+    bent = middle + [0.2, 0.0, -0.1] * (middle[:, 2:] - middle[:, 2:].min())
+    drifts = []
+    for step in range(1, 601):
+        poses = bent + 0.4 * (frames(STARTS + tempo * step) - middle)
+        clock.advance(poses.astype(np.float32), np.full(len(WORLDS), STRUTTING.speed))
+        drifts.append(clock.drifts)
+    assert np.mean(drifts[300:], axis=0) == pytest.approx(tempo - 1, abs=0.03)
+    assert np.array(drifts[300:]) == pytest.approx(tempo - 1, abs=0.12)  # it sways: P steps are no whole number of such cycles
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_every_style_keeps_its_own_tempo_from_its_first_step(name):
+    motion = reference_motion(name)
+    cycle = motion.poses[..., :3]
+    clock, start = PhaseClock(cycle, motion.speed, 1), len(cycle) // 3
+    clock.restart(np.array([0]), cycle[start : start + 1])
+    for step in range(start + 1, start + 2 * len(cycle)):
+        clock.advance(cycle[[step % len(cycle)]], np.array([motion.speed]))
+        assert clock.drifts[0] == pytest.approx(0, abs=0.01)
+        assert clock.distances(cycle[[step % len(cycle)]])[0] < 0.02
 
 
 def test_every_step_towards_the_right_tempo_pays():
