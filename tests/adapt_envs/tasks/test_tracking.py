@@ -74,7 +74,7 @@ def test_small_steps_with_a_bent_back_have_their_own_tempo(tempo):
         clock.advance(poses.astype(np.float32), np.full(len(WORLDS), STRUTTING.speed))
         drifts.append(clock.drifts)
     assert np.mean(drifts[300:], axis=0) == pytest.approx(tempo - 1, abs=0.03)
-    assert np.array(drifts[300:]) == pytest.approx(tempo - 1, abs=0.12)  # it sways: P steps are no whole number of such cycles
+    assert np.array(drifts[300:]) == pytest.approx(tempo - 1, abs=0.12)  # P steps are no whole cycles of it
 
 
 @pytest.mark.parametrize("name", STYLES)
