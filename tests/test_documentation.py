@@ -19,8 +19,8 @@ PAGES = [*GUIDES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 PROGRAMS = [*sorted((ROOT / "examples").glob("*.py")), *sorted((ROOT / "zoo_configs").glob("*.yml"))]
 """What users copy from, besides pages."""
 SMALLER = {
-    "num_envs=512": "num_envs=64, num_threads=1",
-    "1_000_000": "2_000",
+    "num_envs=256": "num_envs=64, num_threads=1",
+    "1_600_000": "2_000",
     "progress_bar=True": "progress_bar=False",
 }
 DEEP = ("adapt_envs.motion.importing", "adapt_envs.motion.exporting", "adapt_envs.motion.synthesis")
@@ -41,7 +41,9 @@ def test_the_readmes_snippets_run_in_order(tmp_path, monkeypatch):
     """As a user writes them, with fewer worlds and samples; the base is the real one."""
     monkeypatch.chdir(tmp_path)
     names: dict = {}
-    for snippet in blocks(PAGES[0], "python"):
+    snippets = blocks(PAGES[0], "python")
+    assert not [large for large in SMALLER if large not in "".join(snippets)]
+    for snippet in snippets:
         for large, small in SMALLER.items():
             snippet = snippet.replace(large, small)
         exec(compile(snippet, "README.md", "exec"), names)
