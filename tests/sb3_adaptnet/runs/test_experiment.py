@@ -45,7 +45,7 @@ def test_schedules_are_refused(tmp_path):
 
 
 def test_finetuning_differs_from_adapting_by_its_policy_alone():
-    ours, theirs = (experiment(env_id("Stoop"), "walk", file) for file in ("ppo", "finetune"))
+    ours, theirs = (experiment(env_id("Style"), "walk", file) for file in ("ppo", "finetune"))
     assert theirs.policy is FinetunePolicy and ours.policy is not FinetunePolicy
     assert ours.arguments["policy_kwargs"]["critic"].pop("encoder") == "base"  # there is none when all of it learns
     assert replace(ours, policy=FinetunePolicy) == theirs

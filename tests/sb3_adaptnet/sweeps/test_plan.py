@@ -31,7 +31,7 @@ def test_runs_are_tasks_by_overrides_by_seeds(tmp_path):
         "IceRun-bold-seed3",
     ]  # fmt: skip
     assert [unit.entry["learning_rate"] for unit in found[1:3]] == [3.0e-5, 1.0e-3]
-    assert [unit.settings.samples for unit in found[3:5]] == [2_000_000, 500]
+    assert [unit.settings.samples for unit in found[3:5]] == [1_600_000, 500]
     assert [unit.settings.base for unit in found[4:]] == ["run", "walk"]
     assert {unit.settings.threads for unit in found} == {4} and {unit.settings.device for unit in found} == {"cpu"}
 
