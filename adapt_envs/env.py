@@ -135,7 +135,7 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
 
     @property
     def tracking(self) -> float:
-        """In (0, 1]: how near the last pose was to the motion at its own tempo, 0 if it does not repeat."""
+        """In (0, 1]: how near the last pose was to the motion at its own tempo, 0 if it holds no gait."""
         return float(self.worlds.tracking[0])
 
     @property

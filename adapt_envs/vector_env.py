@@ -193,7 +193,7 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
 
     @property
     def tracking(self) -> NDArray[np.float64]:
-        """(N,) in (0, 1]: how near the last poses were to the motion at its own tempo, 0 if it does not repeat."""
+        """(N,) in (0, 1]: how near the last poses were to the motion at its own tempo, 0 if it holds no gait."""
         return self.worlds.tracking
 
     @property

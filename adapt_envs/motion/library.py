@@ -112,6 +112,14 @@ class ReferenceMotion:
         self._clip_qpos = np.concatenate([part.qpos for part in parts])
         self._clip_qvel = np.concatenate([part.qvel for part in parts])
 
+    def of(self, clip: MotionClip) -> "ReferenceMotion":
+        """Another clip for the same character.
+
+        Raises:
+            MotionError: if the clip does not know one of the model's joints.
+        """
+        return ReferenceMotion([clip], self.model, self._windows_on_body)
+
     @cached_property
     def shown(self) -> MotionClip:
         """The first clip as `model` shows it (`shown_by`)."""

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.features.observation_rows import Observations
-from adapt_envs.motion.importing.gaits_of_clip import gaits_of
 from adapt_envs.motion.library import ReferenceMotion
+from adapt_envs.simulation.gait_cycles import gaits_at
 from adapt_envs.simulation.worlds import Worlds
 
 
@@ -94,8 +94,7 @@ class StateAccess:
         Raises:
             MotionError: if it holds no cycle at any of them.
         """
-        cycles = gaits_of(self.worlds.reference.clips[0], speeds)
-        return [_all_states(ReferenceMotion([cycle], self.model)) for cycle in cycles]
+        return [_all_states(gait) for gait in gaits_at(self.worlds.reference, speeds)]
 
     def restart(self, ids: NDArray[np.integer], starts: NDArray[np.integer] | None = None) -> Observations:
         """End the episodes of the worlds `ids` and begin others.

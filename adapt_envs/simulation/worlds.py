@@ -19,6 +19,7 @@ from adapt_envs.model.obstacles import OBSTACLES
 from adapt_envs.model.soles import sole_corners
 from adapt_envs.model.terrain import TERRAINS
 from adapt_envs.motion.library import reference_motion
+from adapt_envs.simulation.gait_cycles import gait_cycles
 from adapt_envs.simulation.physics import PhysicsBatch
 from adapt_envs.simulation.spawn import moved, standing_lift
 from adapt_envs.suite import TaskSpec, preferred_speeds
@@ -29,7 +30,7 @@ from adapt_envs.tasks.goal import goal_observation, goal_reward
 from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes
 from adapt_envs.tasks.termination import LOST_DISTANCE, RUNNING, ends
-from adapt_envs.tasks.tracking import PhaseClock, tracking_reward
+from adapt_envs.tasks.tracking import GaitClocks
 
 
 class Worlds:
@@ -70,7 +71,7 @@ class Worlds:
         self._all = np.arange(num_worlds)
         self._features = np.zeros_like(self.history)
         self._last: Observations | None = None
-        self._clock: PhaseClock | None = None
+        self._clocks: GaitClocks | None = None
         self._tracking = np.zeros(num_worlds)
 
     def compiled(self, ground: Ground) -> mujoco.MjModel:
@@ -99,19 +100,16 @@ class Worlds:
 
     @property
     def tracking(self) -> NDArray[np.float64]:
-        """(N,) how near the last step was to the motion at the motion's own tempo, in (0, 1]; see `PhaseClock`.
+        """(N,) how near the last step was to the motion at its own tempo, in (0, 1]; see `tracking_reward`.
 
-        It is followed from the first reading on, which is of the nearest frames. 0 if the motion does not repeat: a
-        clip of minutes does not say which of its poses should come next.
+        Of a motion of minutes it is a gait cycle cut out of it, the one nearest to the preferred speed. What is
+        followed begins at the first reading, with the nearest frames. 0 if the motion holds no gait.
         """
-        if self._clock is None and self.reference.clips[0].cyclic:
-            self._clock = PhaseClock(self.reference.poses[..., :3], self.reference.speed, len(self._all))
-            self._clock.restart(self._all, self._positions)
-            self._tracking = self._tracked(self._clock)
+        if self._clocks is None:
+            self._clocks = GaitClocks(gait_cycles(self.reference, self.goals.speed_range), len(self._all))
+            self._clocks.restart(self._all, self._positions)
+            self._tracking = self._clocks.rewards(self._positions, self.goals.speed)
         return self._tracking.copy()
-
-    def _tracked(self, clock: PhaseClock) -> NDArray[np.float64]:
-        return tracking_reward(clock.distances(self._positions), clock.drifts)
 
     @property
     def _positions(self) -> NDArray[np.float32]:
@@ -138,8 +136,8 @@ class Worlds:
             self.pushes.restart(ids, self.rng)
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
         features = heading_frame_features(history, self.ground.floor_at(self.root_xy[ids]))
-        if self._clock is not None:
-            self._clock.restart(ids, features[:, -1, :, :3])
+        if self._clocks is not None:
+            self._clocks.restart(ids, features[:, -1, :, :3])
         fresh = self._observed(features, ids)
         if self._last is None:
             self._features[ids] = features
@@ -174,7 +172,7 @@ class Worlds:
             Observations of the N worlds, goal rewards (N,) in [0, 1], and why each episode ended (N,), codes into
             `termination.ENDS`. A world that diverged has its last finite observation and reward 0.
         """
-        before = self.root_xy.copy()
+        before, speed = self.root_xy.copy(), self.goals.speed.copy()
         if self.pushes is not None:
             self.physics.push(self.pushes.step(self.rng))
         diverged = self.physics.step(np.clip(actions, -1, 1))
@@ -182,7 +180,7 @@ class Worlds:
         self.steps += 1
         after = self.root_xy
         self.clearance = clearance_reward(self.ground.distance_to_obstacles(after))
-        reward = goal_reward(before, after, self.goals.target, self.goals.speed)
+        reward = goal_reward(before, after, self.goals.target, speed)
         reward[diverged] = 0
         left = np.linalg.norm(self.goals.target - after, axis=1)
         timed_out = self.steps >= max_steps if max_steps is not None else np.zeros(len(left), bool)
@@ -190,9 +188,9 @@ class Worlds:
         renewed = np.flatnonzero(self.goals.expire() & (code == RUNNING))
         self.goals.sample(renewed, after[renewed], self.root_heading[renewed], self.rng)
         self._features = heading_frame_features(self.history, self.ground.floor_at(after))
-        if self._clock is not None:
-            self._clock.advance(self._positions, self.goals.speed)
-            self._tracking = self._tracked(self._clock)
+        if self._clocks is not None:
+            self._clocks.advance(self._positions, speed)
+            self._tracking = self._clocks.rewards(self._positions, speed)
         return self._remembered(self._observed(self._features, self._all), diverged), reward, code
 
     def _remember_links(self, diverged: NDArray[np.bool_]) -> None:

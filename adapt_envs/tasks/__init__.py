@@ -6,7 +6,7 @@ from adapt_envs.tasks.goal import GOAL_RADIUS, goal_observation, goal_reward, ta
 from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes, PushSchedule
 from adapt_envs.tasks.termination import DIVERGED, ENDS, FALL, LOST, RUNNING, TIME, ends
-from adapt_envs.tasks.tracking import PhaseClock, tracking_reward
+from adapt_envs.tasks.tracking import GaitClocks, GaitCycle, PhaseClock, tracking_reward
 
 __all__ = [
     "DIVERGED",
@@ -17,6 +17,8 @@ __all__ = [
     "RUNNING",
     "TIME",
     "Goals",
+    "GaitClocks",
+    "GaitCycle",
     "PhaseClock",
     "PushSchedule",
     "Pushes",

@@ -3,7 +3,8 @@
 A reward beyond the paper's two. Discriminators see five frames; steps a fifth too quick look like the clip's there.
 """
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +82,48 @@ class PhaseClock:
         whole = np.floor(self.phases).astype(np.int64)
         before, after = (self._cycle[(whole + shift + k) % len(self._cycle)] for k in (0, 1))
         return positions - before - (self.phases - whole)[:, None, None].astype(np.float32) * (after - before)
+
+
+class GaitCycle(NamedTuple):
+    """What a clock follows.
+
+    Attributes:
+        positions: (P, L, 3) of the links [m], heading frame, one frame a control step; the first follows the last.
+        speed: its own [m/s].
+    """
+
+    positions: NDArray[np.floating]
+    speed: float
+
+
+class GaitClocks:
+    """Clocks of N characters in one gait cycle, or in each of several that differ in speed.
+
+    All of them are followed all the time. It is the cycle nearest in speed to the preferred one that counts, so a
+    character that is asked for another speed is met in another cycle where it is.
+    """
+
+    def __init__(self, cycles: Sequence[GaitCycle], num_worlds: int) -> None:
+        """Clocks before their first `restart`; without any cycle all rewards are 0."""
+        self._clocks = [PhaseClock(*cycle, num_worlds) for cycle in cycles]
+        self._pace = np.log([cycle.speed for cycle in cycles])
+
+    def restart(self, ids: NDArray[np.integer], positions: NDArray[np.floating]) -> None:
+        """Set the clocks of the characters `ids` (n,) by their links (n, L, 3) [m], heading frame."""
+        for clock in self._clocks:
+            clock.restart(ids, positions)
+
+    def advance(self, positions: NDArray[np.floating], speeds: NDArray[np.floating]) -> None:
+        """Let all clocks go on by one control step; arguments as of `PhaseClock.advance`."""
+        for clock in self._clocks:
+            clock.advance(positions, speeds)
+
+    def rewards(self, positions: NDArray[np.floating], speeds: NDArray[np.floating]) -> NDArray[np.float64]:
+        """`tracking_reward` (N,) of links (N, L, 3) [m], heading frame, at preferred speeds (N,) [m/s]."""
+        if not self._clocks:
+            return np.zeros(len(positions))
+        every = np.array([tracking_reward(clock.distances(positions), clock.drifts) for clock in self._clocks])
+        return every[np.abs(np.log(speeds)[:, None] - self._pace).argmin(axis=1), np.arange(len(positions))]
 
 
 class Swing:

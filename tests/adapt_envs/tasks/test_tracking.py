@@ -4,9 +4,19 @@ import numpy as np
 import pytest
 
 from adapt_envs import env_id, make_vector
-from adapt_envs.motion.library import reference_motion
+from adapt_envs.motion.clip import MotionClip
+from adapt_envs.motion.library import load_clip, reference_motion
 from adapt_envs.tasks import tracking
-from adapt_envs.tasks.tracking import DRIFT_SCALE, FREE_DRIFT, LOST, TRACKING_SCALE, PhaseClock, tracking_reward
+from adapt_envs.tasks.tracking import (
+    DRIFT_SCALE,
+    FREE_DRIFT,
+    LOST,
+    TRACKING_SCALE,
+    GaitClocks,
+    GaitCycle,
+    PhaseClock,
+    tracking_reward,
+)
 from sb3_adaptnet.algorithms.tracking import guide
 
 STYLES = (
@@ -16,6 +26,7 @@ STYLES = (
 STRUTTING = reference_motion("Strutting")
 CYCLE = STRUTTING.poses[..., :3]
 PERIOD = len(CYCLE)
+PACES = (("Stomp", 0.8), ("Strutting", 1.4))
 WORLDS = np.arange(6)
 STARTS = WORLDS * PERIOD // len(WORLDS)
 
@@ -150,8 +161,31 @@ def test_environments_keep_it_for_the_transition_before_a_restart():
     assert env.tracking[fallen].min() > 0.5
 
 
-def test_a_motion_that_does_not_repeat_has_none():
-    env = make_vector(env_id("Walk"), 2)
+def test_a_motion_of_minutes_is_followed_by_its_gaits():
+    env = make_vector(env_id("Walk"), 64)
+    env.reset(seed=0)
+    assert env.tracking.mean() > 0.7  # start states are the motion's, turns and all
+    pose = np.tile(env.single_action_space.mean_pose, (64, 1))
+    for _ in range(20):
+        env.step(pose)
+    assert 0 < env.tracking.mean() < 0.4
+
+
+@pytest.mark.parametrize(("asked", "counts"), [(0.5, 0), (0.9, 0), (1.4, 1), (3.0, 1)])
+def test_the_cycle_nearest_to_the_preferred_speed_counts(asked, counts):
+    slow, fast = (GaitCycle(reference_motion(name).poses[..., :3], speed) for name, speed in PACES)
+    clocks = GaitClocks([slow, fast], 4)
+    clocks.restart(np.arange(4), fast.positions[:4])
+    speeds = np.full(4, asked)
+    clocks.advance(fast.positions[1:5], speeds)
+    assert (clocks.rewards(fast.positions[1:5], speeds) > 0.9).all() == bool(counts)
+
+
+def test_without_a_gait_there_is_nothing_to_follow(tmp_path):
+    clip = load_clip("walk")
+    file = tmp_path / "pause.npz"
+    MotionClip("pause", np.repeat(clip.qpos[:1], 90, axis=0), clip.joint_names).save(file)
+    env = make_vector(env_id("Style"), 2, motion=str(file), speed_range=(1.0, 1.5))
     env.reset(seed=0)
     assert (env.tracking == 0).all()
 

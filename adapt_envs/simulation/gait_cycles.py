@@ -1,0 +1,36 @@
+"""The gait cycles of a reference motion: the motion itself if it repeats, else cut out of it at several speeds."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from adapt_envs.motion.clip import MotionError
+from adapt_envs.motion.importing.gaits_of_clip import gaits_of
+from adapt_envs.motion.library import ReferenceMotion
+from adapt_envs.tasks.tracking import GaitCycle
+
+SPEED_STEP = 1.2
+"""About how many times as fast each cycle is as the one before it."""
+
+
+def gaits_at(reference: ReferenceMotion, speeds: Sequence[float]) -> list[ReferenceMotion]:
+    """Gait cycles of a motion of minutes, one at about each speed [m/s] that it has.
+
+    Raises:
+        MotionError: if it holds no cycle at any of them, or repeats itself.
+    """
+    return [reference.of(cycle) for cycle in gaits_of(reference.clips[0], speeds)]
+
+
+def gait_cycles(reference: ReferenceMotion, speed_range: tuple[float, float]) -> list[GaitCycle]:
+    """What `GaitClocks` follow where preferred speeds are within a range [m/s]; none if the motion holds no gait."""
+    gaits = [reference]
+    if not reference.clips[0].cyclic:
+        slow, fast = speed_range
+        count = 1 + math.ceil(math.log(fast / slow) / math.log(SPEED_STEP))
+        try:
+            gaits = gaits_at(reference, np.geomspace(slow, fast, count).tolist())
+        except MotionError:
+            return []
+    return [GaitCycle(gait.poses[..., :3], gait.speed) for gait in gaits]
