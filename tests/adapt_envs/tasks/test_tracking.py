@@ -173,12 +173,15 @@ def test_a_motion_of_minutes_is_followed_by_its_gaits():
 
 @pytest.mark.parametrize(("asked", "counts"), [(0.5, 0), (0.9, 0), (1.4, 1), (3.0, 1)])
 def test_the_cycle_nearest_to_the_preferred_speed_counts(asked, counts):
-    slow, fast = (GaitCycle(reference_motion(name).poses[..., :3], speed) for name, speed in PACES)
-    clocks = GaitClocks([slow, fast], 4)
-    clocks.restart(np.arange(4), fast.positions[:4])
-    speeds = np.full(4, asked)
-    clocks.advance(fast.positions[1:5], speeds)
-    assert (clocks.rewards(fast.positions[1:5], speeds) > 0.9).all() == bool(counts)
+    cycles = [GaitCycle(reference_motion(name).poses[..., :3], speed) for name, speed in PACES]
+    positions, speeds = cycles[1].positions[:5], np.full(4, asked)
+    rewards = []
+    for followed in (cycles, cycles[:1], cycles[1:]):
+        clocks = GaitClocks(followed, 4)
+        clocks.restart(np.arange(4), positions[:4])
+        clocks.advance(positions[1:], speeds)
+        rewards.append(clocks.rewards(positions[1:], speeds))
+    assert (rewards[0] == rewards[1 + counts]).all() and (rewards[0] != rewards[2 - counts]).all()
 
 
 def test_without_a_gait_there_is_nothing_to_follow(tmp_path):
