@@ -26,10 +26,12 @@ def test_the_card_names_the_terrain_that_was_trained_on(tmp_path, name, seed):
 
 
 def test_the_card_names_what_the_worlds_were_asked_for(tmp_path):
-    settings = RunSettings("AdaptNet/Humanoid-Walk-v0", samples=1, n_envs=1, threads=1, algo="svg")
-    asked = card_of(RunFolder(tmp_path, settings), experiment(settings.env_id, algo="svg"), 10, None)
-    assert asked["training"]["env_kwargs"] == {"speed_range": [0.4, 1.5]}
-    assert "env_kwargs" not in card_of(RunFolder(tmp_path, settings), experiment(settings.env_id), 10, None)["training"]
+    settings = RunSettings("AdaptNet/Humanoid-Walk-v0", samples=1, n_envs=1, threads=1)
+    asked = experiment(settings.env_id)
+    card = card_of(RunFolder(tmp_path, settings), asked, 10, None)
+    assert card["training"]["env_kwargs"] == {"speed_range": [0.4, 1.5]}
+    card = card_of(RunFolder(tmp_path, settings), replace(asked, env_kwargs={}), 10, None)
+    assert "env_kwargs" not in card["training"]
 
 
 def test_means_say_over_how_many_rollouts_they_are():
