@@ -44,44 +44,69 @@ class PhaseClock:
         self._cycle, self._speed = np.asarray(cycle, np.float32), speed
         self._swing = Swing(self._cycle, num_worlds)
         self.phases, self.drifts = np.zeros(num_worlds), np.zeros(num_worlds)
+        self._set = np.zeros(num_worlds, bool)  # whose phases are known
 
     def restart(self, ids: NDArray[np.integer], positions: NDArray[np.floating]) -> None:
         """Set the clocks `ids` (n,) to the frames that are nearest to the positions (n, L, 3) [m], heading frame."""
         nearest = self._nearest(positions)
-        self.phases[ids], self.drifts[ids] = nearest, 0
+        self.phases[ids], self.drifts[ids], self._set[ids] = nearest, 0, True
         self._swing.restart(ids, nearest)
 
     def _nearest(self, positions: NDArray[np.floating]) -> NDArray[np.integer]:
         products = np.tensordot(positions, self._cycle, ((1, 2), (1, 2)))
         return np.asarray((np.square(self._cycle).sum(axis=(1, 2)) - 2 * products).argmin(axis=1))
 
-    def advance(self, positions: NDArray[np.floating], speeds: NDArray[np.floating]) -> None:
+    def advance(
+        self,
+        positions: NDArray[np.floating],
+        speeds: NDArray[np.floating],
+        followers: NDArray[np.integer] | slice = slice(None),
+    ) -> None:
         """Let all clocks go on by one control step.
 
         Args:
             positions: (N, L, 3) of the links after it [m], heading frame.
             speeds: (N,) preferred speeds [m/s].
+            followers: whose phases go on; the others' stand still, and are set to the nearest frames when they follow
+                again. Drifts are everybody's.
         """
         tempo = np.clip((speeds / self._speed) ** TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO)
         self.drifts = self._swing.advance(positions, tempo) - 1
-        self.phases = self.phases + tempo * (1 + self.drifts)
+        follow = np.zeros(len(positions), bool)
+        follow[followers] = True
+        self._set &= follow
+        on = np.flatnonzero(follow & self._set)
+        if len(on):
+            self.phases[on] += tempo[on] * (1 + self.drifts[on])
+            self._approach(on, positions[on])
+        lost = np.flatnonzero(follow & ~self._set)
+        if len(lost):
+            self.phases[lost], self._set[lost] = self._nearest(positions[lost]), True
+
+    def _approach(self, ids: NDArray[np.integer], positions: NDArray[np.floating]) -> None:
+        """Move towards the best frames nearby; who is lost is not set any more."""
         behind, here, ahead = (
-            np.square(self._offsets(positions, shift)).sum(axis=-1).mean(axis=-1) for shift in (-1, 0, 1)
+            np.square(self._offsets(ids, positions, shift)).sum(axis=-1).mean(axis=-1) for shift in (-1, 0, 1)
         )
         to_best = (behind - ahead) / (2 * np.maximum(behind - 2 * here + ahead, _FLAT))
-        self.phases = (self.phases + np.clip(GAIN * to_best, -MOST_SHIFT, MOST_SHIFT)) % len(self._cycle)
-        lost = np.flatnonzero(self.distances(positions) > LOST)
-        self.phases[lost] = self._nearest(positions[lost])
+        moved = self.phases[ids] + np.clip(GAIN * to_best, -MOST_SHIFT, MOST_SHIFT)
+        self.phases[ids] = moved % len(self._cycle)
+        self._set[ids] = self.distances(positions, ids) <= LOST
 
-    def distances(self, positions: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Mean distances (N,) [m] of links (N, L, 3) from where the cycle has them."""
-        return np.linalg.norm(self._offsets(positions, 0), axis=-1).mean(axis=-1, dtype=np.float64)
+    def distances(
+        self, positions: NDArray[np.floating], ids: NDArray[np.integer] | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Mean distances (n,) [m] of the links (n, L, 3) of `ids` (n,) from where the cycle has them."""
+        return np.linalg.norm(self._offsets(ids, positions, 0), axis=-1).mean(axis=-1, dtype=np.float64)
 
-    def _offsets(self, positions: NDArray[np.floating], shift: int) -> NDArray[np.floating]:
-        """(N, L, 3) from where the cycle has the links `shift` frames later; between frames in a straight line."""
-        whole = np.floor(self.phases).astype(np.int64)
+    def _offsets(
+        self, ids: NDArray[np.integer] | slice, positions: NDArray[np.floating], shift: int
+    ) -> NDArray[np.floating]:
+        """(n, L, 3) from where the cycle has the links `shift` frames later; between frames in a straight line."""
+        phases = self.phases[ids]
+        whole = np.floor(phases).astype(np.int64)
         before, after = (self._cycle[(whole + shift + k) % len(self._cycle)] for k in (0, 1))
-        return positions - before - (self.phases - whole)[:, None, None].astype(np.float32) * (after - before)
+        return positions - before - (phases - whole)[:, None, None].astype(np.float32) * (after - before)
 
 
 class GaitCycle(NamedTuple):
@@ -99,8 +124,8 @@ class GaitCycle(NamedTuple):
 class GaitClocks:
     """Clocks of N characters in one gait cycle, or in each of several that differ in speed.
 
-    All of them are followed all the time. It is the cycle nearest in speed to the preferred one that counts, so a
-    character that is asked for another speed is met in another cycle where it is.
+    A character follows the cycle nearest in speed to its preferred one. The tempo of all of them is kept all the time,
+    so who is asked for another speed is met where it is, with the steps that it has made.
     """
 
     def __init__(self, cycles: Sequence[GaitCycle], num_worlds: int) -> None:
@@ -115,15 +140,22 @@ class GaitClocks:
 
     def advance(self, positions: NDArray[np.floating], speeds: NDArray[np.floating]) -> None:
         """Let all clocks go on by one control step; arguments as of `PhaseClock.advance`."""
-        for clock in self._clocks:
-            clock.advance(positions, speeds)
+        for clock, followers in zip(self._clocks, self._followers(speeds), strict=True):
+            clock.advance(positions, speeds, followers)
 
     def rewards(self, positions: NDArray[np.floating], speeds: NDArray[np.floating]) -> NDArray[np.float64]:
-        """`tracking_reward` (N,) of links (N, L, 3) [m], heading frame, at preferred speeds (N,) [m/s]."""
+        """`tracking_reward` (N,) of links (N, L, 3) [m], heading frame, at the preferred speeds (N,) [m/s] of now."""
+        rewards = np.zeros(len(positions))
+        for clock, ids in zip(self._clocks, self._followers(speeds), strict=True):
+            rewards[ids] = tracking_reward(clock.distances(positions[ids], ids), clock.drifts[ids])
+        return rewards
+
+    def _followers(self, speeds: NDArray[np.floating]) -> list[NDArray[np.integer]]:
+        """Who follows each cycle."""
         if not self._clocks:
-            return np.zeros(len(positions))
-        every = np.array([tracking_reward(clock.distances(positions), clock.drifts) for clock in self._clocks])
-        return every[np.abs(np.log(speeds)[:, None] - self._pace).argmin(axis=1), np.arange(len(positions))]
+            return []
+        nearest = np.abs(np.log(speeds)[:, None] - self._pace).argmin(axis=1)
+        return [np.flatnonzero(nearest == number) for number in range(len(self._clocks))]
 
 
 class Swing:
@@ -141,7 +173,7 @@ class Swing:
         self._middle = flat.mean(axis=0)
         turns = np.exp(-1j * self._turn * np.arange(len(flat)))
         self._along = ((flat - self._middle) * turns[:, None]).sum(axis=0).conj()
-        self._own = (flat - self._middle) @ self._along
+        self._own = self._around(flat)
         self._own_points = self._point(self._own, np.roll(self._own, 1))
         self._own_paces = self._turned(self._own_points, np.roll(self._own_points, 1))
         shape = (num_worlds, len(flat))
@@ -167,11 +199,16 @@ class Swing:
         column, before = self._steps % len(self._own), (self._steps - 1) % len(self._own)
         self._steps += 1
         middle, previous = self._places.mean(axis=1), self._places[:, before]
-        now = (positions.reshape(len(positions), -1) - self._middle) @ self._along
+        now = self._around(positions.reshape(len(positions), -1))
         points = self._point(now - middle, previous - middle)
         self._places[:, column], self._paces[:, column] = now, self._turned(points, self._points) / tempo
         self._points = points
         return np.asarray(self._paces.mean(axis=1))
+
+    def _around(self, flat: NDArray[np.floating]) -> NDArray[Any]:
+        """Where links (n, 3 L) are in the direction of the harmonic."""
+        away = flat - self._middle  # BLAS hands complex products to threads, which wait where cores are busy
+        return np.asarray(away @ self._along.real + 1j * (away @ self._along.imag))
 
     def _point(self, now: NDArray[Any], previous: NDArray[Any]) -> NDArray[Any]:
         """Place and motion as one number, between two steps; of the harmonic itself it turns at a constant rate."""

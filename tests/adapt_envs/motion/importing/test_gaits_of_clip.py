@@ -36,3 +36,8 @@ def stances_of(corners):
         step = foot[rows + 1, lowest[rows], :2] - foot[rows, lowest[rows], :2]
         sliding.append(np.linalg.norm(step, axis=1) * 30)
     return np.concatenate(heights), np.concatenate(sliding)
+
+
+def test_no_cycle_is_cut_out_twice():
+    cut = gaits_of(load_clip("walk"), [1.0, 1.1, 1.3])  # the first two are met by the same frames
+    assert len({gait.origin for gait in cut}) == len(cut) == 2
