@@ -84,7 +84,9 @@ BODIES = (("walk", "LongShinsWalk"), ("walk", "LongThighsWalk"), ("walk", "Super
 LOCKS = (("walk", "LockedRightKneeWalk"), ("walk", "LockedAnklesWalk"), ("run", "LockedRightKnee"))
 GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "TerrainRugged"), ("walk", "Obstacles"))
 STACKS = (("Stomp", "LongBody"), ("Penguin", "LongBody"), ("Kicking", "LongBody"), ("Joyful", "LongBody"),
-          ("Stoop", "BigBody"), ("Strutting", "BigBody"), ("Pace", "BigBody"), ("Sashay", "BigBody"))  # fmt: skip
+          ("Stoop", "BigBody"), ("Kicking", "BigBody"), ("Pace", "BigBody"), ("JauntySkip", "BigBody"),
+          ("Stomp", "LongThighs"), ("Penguin", "LongThighs"), ("Strutting", "LongThighs"),
+          ("Joyful", "LongThighs"))  # fmt: skip
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
     "styles": Picture(tuple(Pane(f"walk-{name.lower()}", name) for name in STYLES), 4, 180),

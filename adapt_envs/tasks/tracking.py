@@ -60,28 +60,25 @@ class PhaseClock:
         self,
         positions: NDArray[np.floating],
         speeds: NDArray[np.floating],
-        followers: NDArray[np.integer] | slice = slice(None),
+        followers: NDArray[np.bool_] | None = None,
     ) -> None:
         """Let all clocks go on by one control step.
 
         Args:
             positions: (N, L, 3) of the links after it [m], heading frame.
             speeds: (N,) preferred speeds [m/s].
-            followers: whose phases go on; the others' stand still, and are set to the nearest frames when they follow
-                again. Drifts are everybody's.
+            followers: (N,) whose phases go on, all by default; the others' stand still, and are set to the nearest
+                frames when they follow again. Drifts are everybody's.
         """
         tempo = np.clip((speeds / self._speed) ** TEMPO_EXPONENT, SLOWEST_TEMPO, FASTEST_TEMPO)
         self.drifts = self._swing.advance(positions, tempo) - 1
-        follow = np.zeros(len(positions), bool)
-        follow[followers] = True
+        follow = np.ones(len(positions), bool) if followers is None else followers
         self._set &= follow
-        on = np.flatnonzero(follow & self._set)
-        if len(on):
-            self.phases[on] += tempo[on] * (1 + self.drifts[on])
-            self._approach(on, positions[on])
+        going_on = np.flatnonzero(self._set)
+        self.phases[going_on] += tempo[going_on] * (1 + self.drifts[going_on])
+        self._approach(going_on, positions[going_on])
         lost = np.flatnonzero(follow & ~self._set)
-        if len(lost):
-            self.phases[lost], self._set[lost] = self._nearest(positions[lost]), True
+        self.phases[lost], self._set[lost] = self._nearest(positions[lost]), True
 
     def _approach(self, ids: NDArray[np.integer], positions: NDArray[np.floating]) -> None:
         """Move towards the best frames nearby; who is lost is not set any more."""
@@ -94,14 +91,12 @@ class PhaseClock:
         self._set[ids] = self.distances(positions, ids) <= LOST
 
     def distances(
-        self, positions: NDArray[np.floating], ids: NDArray[np.integer] | slice = slice(None)
+        self, positions: NDArray[np.floating], ids: NDArray[Any] | slice = slice(None)
     ) -> NDArray[np.float64]:
-        """Mean distances (n,) [m] of the links (n, L, 3) of `ids` (n,) from where the cycle has them."""
+        """Mean distances (n,) [m] of links (n, L, 3) from where the cycle has them; `ids`: whose they are."""
         return np.linalg.norm(self._offsets(ids, positions, 0), axis=-1).mean(axis=-1, dtype=np.float64)
 
-    def _offsets(
-        self, ids: NDArray[np.integer] | slice, positions: NDArray[np.floating], shift: int
-    ) -> NDArray[np.floating]:
+    def _offsets(self, ids: NDArray[Any] | slice, positions: NDArray[np.floating], shift: int) -> NDArray[np.floating]:
         """(n, L, 3) from where the cycle has the links `shift` frames later; between frames in a straight line."""
         phases = self.phases[ids]
         whole = np.floor(phases).astype(np.int64)
@@ -146,16 +141,16 @@ class GaitClocks:
     def rewards(self, positions: NDArray[np.floating], speeds: NDArray[np.floating]) -> NDArray[np.float64]:
         """`tracking_reward` (N,) of links (N, L, 3) [m], heading frame, at the preferred speeds (N,) [m/s] of now."""
         rewards = np.zeros(len(positions))
-        for clock, ids in zip(self._clocks, self._followers(speeds), strict=True):
-            rewards[ids] = tracking_reward(clock.distances(positions[ids], ids), clock.drifts[ids])
+        for clock, whose in zip(self._clocks, self._followers(speeds), strict=True):
+            rewards[whose] = tracking_reward(clock.distances(positions[whose], whose), clock.drifts[whose])
         return rewards
 
-    def _followers(self, speeds: NDArray[np.floating]) -> list[NDArray[np.integer]]:
-        """Who follows each cycle."""
+    def _followers(self, speeds: NDArray[np.floating]) -> list[NDArray[np.bool_]]:
+        """Who (N,) follows each cycle."""
         if not self._clocks:
             return []
         nearest = np.abs(np.log(speeds)[:, None] - self._pace).argmin(axis=1)
-        return [np.flatnonzero(nearest == number) for number in range(len(self._clocks))]
+        return [nearest == number for number in range(len(self._clocks))]
 
 
 class Swing:

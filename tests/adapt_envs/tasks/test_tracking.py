@@ -184,6 +184,21 @@ def test_the_cycle_nearest_to_the_preferred_speed_counts(asked, counts):
     assert (rewards[0] == rewards[1 + counts]).all() and (rewards[0] != rewards[2 - counts]).all()
 
 
+def test_who_is_asked_for_another_speed_is_met_where_it_is_in_the_other_cycle():
+    cycles = [GaitCycle(reference_motion(name).poses[..., :3], speed) for name, speed in PACES]
+    clocks, slow, fast = GaitClocks(cycles, 1), *(cycle.positions for cycle in cycles)
+    clocks.restart(np.array([0]), slow[:1])
+    for step in range(1, 8):
+        clocks.advance(slow[[step % len(slow)]], np.array([PACES[0][1]]))
+    frame = len(fast) // 2
+    for step in range(frame, frame + 2 * len(fast)):
+        pose, speed = fast[[step % len(fast)]], np.array([PACES[1][1]])
+        clocks.advance(pose, speed)
+        if step == frame:  # at once, by the nearest frame, whatever the clock showed before
+            assert clocks._clocks[1].distances(pose)[0] == pytest.approx(0, abs=1e-3)
+    assert clocks.rewards(pose, speed)[0] > 0.95
+
+
 def test_without_a_gait_there_is_nothing_to_follow(tmp_path):
     clip = load_clip("walk")
     file = tmp_path / "pause.npz"
