@@ -71,19 +71,21 @@ def generalized_advantages(
     return advantages
 
 
-def combine_advantages(advantages: NDArray[np.floating], weights: Sequence[float]) -> NDArray[np.float32]:
+def combine_advantages(
+    advantages: NDArray[np.floating], weights: Sequence[float] | NDArray[np.floating]
+) -> NDArray[np.float32]:
     """Standardise each objective over the whole rollout, then sum with weights (eq. 9: sum_k w_k A_k).
 
     Args:
         advantages: (T, N, K).
-        weights: K weights.
+        weights: K weights, or (T, N, K).
 
     Returns:
         Combined advantages (T, N).
     """
     mean = advantages.mean(axis=(0, 1), dtype=np.float64)
     std = advantages.std(axis=(0, 1), dtype=np.float64)
-    return ((advantages - mean) / (std + 1e-8) @ np.asarray(weights, np.float64)).astype(np.float32)
+    return ((advantages - mean) / (std + 1e-8) * np.asarray(weights, np.float64)).sum(axis=-1).astype(np.float32)
 
 
 class ObjectiveRolloutBuffer(RolloutBuffer):
@@ -176,7 +178,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         self,
         rewards: NDArray[np.float32],
         last_values: NDArray[np.float32],
-        weights: Sequence[float],
+        weights: Sequence[float] | NDArray[np.floating],
         value_norm: ValueNorm,
     ) -> None:
         """Fill in advantages and returns, and the critic's normaliser.
@@ -184,7 +186,7 @@ class ObjectiveRolloutBuffer(RolloutBuffer):
         Args:
             rewards: (T, N, K) in real units, time limits bootstrapped.
             last_values: (N, K) in real units, of the states after the rollout.
-            weights: K weights of eq. 9.
+            weights: K weights of eq. 9, or (T, N, K) where they differ.
             value_norm: the policy's PopArt; takes in the returns before they are normalised for the loss.
         """
         dones = np.concatenate([self.episode_starts[1:] > 0.5, self.last_dones[None]])

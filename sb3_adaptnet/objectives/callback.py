@@ -12,19 +12,17 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import obs_as_tensor
 
+from sb3_adaptnet.modules.observation import COMPANION, FLAT
 from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
 from sb3_adaptnet.objectives.imitation import ImitationObjective, check_imitation
 from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, KlRange, check_kl_range, kl_range_at, next_step_size
 from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
 from sb3_adaptnet.objectives.rollout_log import Rollout
-from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
+from sb3_adaptnet.objectives.schedule import Schedule
+from sb3_adaptnet.objectives.weighting import DEFAULT_WEIGHTS, GOAL, IMITATION, ObjectiveWeights
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.optimizer_groups import ACTOR, set_step_size, step_size
-
-IMITATION, GOAL = "imitation", "goal"
-DEFAULT_WEIGHTS = {IMITATION: 0.5, GOAL: 0.5}
-"""Weights of eq. 9 (the paper, app. B); motion styles take 0.35 and 0.65."""
 
 
 class DiscriminatorRewardCallback(BaseCallback):
@@ -50,6 +48,8 @@ class DiscriminatorRewardCallback(BaseCallback):
         actor_lr_range: tuple[float, float] = (1e-6, 1e-3),
         discriminator: Mapping[str, Any] | None = None,
         reward_terms: Mapping[str, RewardTerm] | None = None,
+        in_turns: Mapping[str, Schedule] | None = None,
+        alone: Mapping[str, Schedule] | None = None,
         verbose: int = 0,
     ) -> None:
         """Choose objectives and their weights.
@@ -66,27 +66,32 @@ class DiscriminatorRewardCallback(BaseCallback):
             discriminator: arguments of `ImitationObjective` (learning_rate, batch_size, gradient_penalty, ...).
             reward_terms: name to a function of PPO's local variables at a step (`new_obs`, `actions`,
                 `infos`, `env`, ...) that returns rewards (N,).
+            in_turns: name to the factor, 0 to 1, that an objective's weight has where the target is not ahead; the
+                goal gets what is left, as in `{"tracking": 0.25}`.
+            alone: likewise in worlds without a companion, where there are some with one.
             verbose: as in Stable-Baselines3.
 
         Raises:
             ValueError: for an objective without reward, a negative weight, a wrong range or an unknown argument.
         """
         super().__init__(verbose)
-        self.weights: dict[str, Schedule] = dict(objective_weights or DEFAULT_WEIGHTS)
+        self.weights = ObjectiveWeights(objective_weights or DEFAULT_WEIGHTS, in_turns, alone)
         self.reward_terms = {**TERMS, **(reward_terms or {})}
         self.terminal_reward = float(terminal_reward)
         self.kl_range = (kl_range[0], kl_range[1]) if kl_range is not None else None
         self.actor_lr_range = (float(actor_lr_range[0]), float(actor_lr_range[1]))
         self.discriminator_kwargs = dict(discriminator or {})
-        _check(self.weights, self.reward_terms, self.kl_range, self.actor_lr_range)
+        self.weights.check_rewards((IMITATION, GOAL, *self.reward_terms))
+        _check_steps(self.kl_range, self.actor_lr_range)
         check_imitation(self.discriminator_kwargs)
-        self.objectives = tuple(self.weights)
+        self.objectives = self.weights.names
         self.imitation: ImitationObjective | None = None
         self.metrics: dict[str, float] = {}
         self.kl: float | None = None
         self.rng = np.random.default_rng()
         self._learner: Callable[[], BaseAlgorithm | None] = lambda: None  # whose discriminators these are
         self._in_training = False
+        self._begun_at = 0  # samples before this rollout
 
     @property
     def _ppo(self) -> PPO:
@@ -108,7 +113,7 @@ class DiscriminatorRewardCallback(BaseCallback):
             raise ValueError(
                 "leave VecNormalize out: the policies normalise by themselves, and a base must see what it knows"
             )
-        self._policy.set_objectives(self._weights_now())
+        self._policy.set_objectives(self.weights.at(model.num_timesteps))
         if not self._in_training:
             self._stock_normalize_advantage, self._in_training = model.normalize_advantage, True
         model.normalize_advantage = False  # advantages are standardised per objective already
@@ -118,9 +123,6 @@ class DiscriminatorRewardCallback(BaseCallback):
             self.rng = np.random.default_rng(model.seed)
             self._build_discriminators()
         self._learner = weakref.ref(model)
-
-    def _weights_now(self) -> list[float]:
-        return [value_at(weight, self.model.num_timesteps) for weight in self.weights.values()]
 
     def _make_buffer(self) -> ObjectiveRolloutBuffer:
         model = self._ppo
@@ -136,7 +138,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         )
 
     def _build_discriminators(self) -> None:
-        if IMITATION not in self.weights:
+        if IMITATION not in self.objectives:
             return
         _, _, links, numbers = reference_windows(self.training_env, 1, np.random.default_rng(0)).shape
         settings = {"precision": self._policy.precision, **self.discriminator_kwargs}
@@ -149,7 +151,8 @@ class DiscriminatorRewardCallback(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         self.rollout.clear()
-        self._policy.set_objectives(self._weights_now())
+        self._begun_at = self.model.num_timesteps
+        self._policy.set_objectives(self.weights.at(self._begun_at))
         kl = self.logger.name_to_value.get("train/approx_kl")  # of the update between the two rollouts
         self.kl = float(kl) if kl is not None else None
         if self.kl_range is not None and self.kl is not None:
@@ -163,7 +166,7 @@ class DiscriminatorRewardCallback(BaseCallback):
     def _on_step(self) -> bool:
         step = self.locals
         rewards = {GOAL: step["rewards"]}
-        rewards.update({name: term(step) for name, term in self.reward_terms.items() if name in self.weights})
+        rewards.update({name: term(step) for name, term in self.reward_terms.items() if name in self.objectives})
         windows = pose_windows(self.training_env) if self.imitation is not None else None
         self.rollout.add(rewards, step["dones"], step["infos"], windows)
         self.buffer.keep(self._policy.remembered)
@@ -175,8 +178,15 @@ class DiscriminatorRewardCallback(BaseCallback):
         columns = np.stack([rewards[name] for name in self.objectives], axis=-1)
         columns[self.rollout.terminated] = self.terminal_reward
         last_values = self._bootstrap(columns)
-        self.buffer.finish(columns, last_values, self._policy.objective_weights, self._policy.value_norm)
+        self.buffer.finish(columns, last_values, self._weights(), self._policy.value_norm)
         self._record(statistics)
+
+    def _weights(self) -> NDArray[np.float64]:
+        """Weights of eq. 9 of the rollout's start: (K,), or (T, N, K) where they differ."""
+        observed = self.buffer.observations
+        goals = observed[FLAT][..., -self._policy.architecture.goal_size :]
+        companions = observed[COMPANION].reshape(goals.shape[:-1]) if COMPANION in observed else None
+        return self.weights.where(goals, companions, self._begun_at)
 
     def _imitate(self) -> dict[str, float]:
         """Train the discriminators on the rollout, then fill in the imitation reward."""
@@ -232,17 +242,7 @@ class DiscriminatorRewardCallback(BaseCallback):
             self.imitation.load_state_dict(state["imitation"])
 
 
-def _check(
-    weights: Mapping[str, Schedule],
-    terms: Mapping[str, RewardTerm],
-    kl_range: KlRange | None,
-    lr_range: tuple[float, float],
-) -> None:
-    known = (IMITATION, GOAL, *terms)
-    for name, weight in weights.items():
-        if name not in known:
-            raise ValueError(f"objective {name!r} has no reward; known are: {', '.join(known)} (see reward_terms)")
-        check_schedule(f"the weight of objective {name!r}", weight)
+def _check_steps(kl_range: KlRange | None, lr_range: tuple[float, float]) -> None:
     if kl_range is not None:
         check_kl_range(kl_range)
     if not 0.0 < lr_range[0] <= lr_range[1]:

@@ -3,8 +3,8 @@
 import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
 
-from sb3_adaptnet.objectives.callback import GOAL
 from sb3_adaptnet.objectives.rollout_log import Rollout
+from sb3_adaptnet.objectives.weighting import GOAL
 from sb3_adaptnet.runs.history import reward_column
 
 TRACKING_METRICS = ("falls_per_minute", "episode_length", "tracking_error")

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import torch
+from objective_cases import Check
 from policy_cases import adapt, disturb, observations
 from stable_baselines3 import PPO
 from toy_env import ToyEnv, ToyVectorEnv
@@ -97,6 +98,27 @@ def test_only_its_own_weights_learn_and_a_saved_model_goes_on(heightmap, tiny_ba
     actions = [m.predict(obs, deterministic=True)[0] for m in (model, again)]
     np.testing.assert_array_equal(*actions)
     again.learn(192, callback=DiscriminatorRewardCallback(discriminator=DISCRIMINATOR))
+
+
+def test_worlds_without_a_companion_have_weights_of_their_own(tiny_base, two_styles):
+    """Advantages are each objective's, standardised, times the weights of the world that they are of."""
+    model = learner(tiny_base, two_styles)
+    callback = DiscriminatorRewardCallback(
+        {"imitation": 0.8, "goal": 0.2}, discriminator=DISCRIMINATOR, alone={"imitation": 0.25}
+    )
+    checked = []
+
+    def check(trained):
+        buffer = trained.rollout_buffer
+        raw = buffer.returns - buffer.values
+        standard = (raw - raw.mean((0, 1))) / (raw.std((0, 1)) + 1e-8)
+        imitation = np.repeat([0.2, 0.8, 0.8], 2)
+        expected = imitation * standard[..., 0] + (1 - imitation) * standard[..., 1]
+        np.testing.assert_allclose(buffer.advantages, expected, rtol=2e-3, atol=2e-3)
+        checked.append(True)
+
+    model.learn(192, callback=[callback, Check(check)])
+    assert checked
 
 
 def test_stock_ppo_learns_beside_companions_without_the_callback(tiny_base, two_styles):
