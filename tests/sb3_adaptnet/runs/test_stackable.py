@@ -19,7 +19,7 @@ ICE = env_id("IceWalk")
 
 
 def test_the_shipped_companions_are_styles_of_the_base():
-    for name, count in (("IceWalk", 8), ("TerrainHills", 8), ("LongBodyWalk", 12)):
+    for name, count in (("IceWalk", 5), ("TerrainHills", 8), ("LongBodyWalk", 12)):
         companions = experiment(env_id(name), conf_file="stackable").arguments["policy_kwargs"]["companions"]
         assert {part_of(companion).kind for companion in companions} == {"style"} and len(set(companions)) == count
 
@@ -47,5 +47,5 @@ def test_a_run_learns_beside_companions_goes_on_and_exports_what_it_learned_alon
 def test_companions_make_joined_worlds():
 
     worlds = make_worlds(RunSettings(ICE, samples=1, n_envs=10, threads=1), experiment(ICE, conf_file="stackable"))
-    assert isinstance(worlds, JoinedWorlds) and [group.num_envs for group in worlds.groups] == [2] + 8 * [1]
+    assert isinstance(worlds, JoinedWorlds) and [group.num_envs for group in worlds.groups] == [5] + 5 * [1]
     worlds.close()
