@@ -118,7 +118,7 @@ def test_callbacks_are_fresh_each_time():
         "DiscriminatorRewardCallback", "AttributeRamp", "WeightAveraging", "StyleCallback",
     ]  # fmt: skip
     assert all(a is not b for a, b in zip(first, again, strict=True))
-    assert first[0].weights == {"imitation": 0.2, "goal": 0.8}
+    assert (first[0].objectives, first[0].weights.at(0)) == (("imitation", "goal"), [0.2, 0.8])
 
 
 def test_a_class_that_moved_is_named_where_it_is(tmp_path):
