@@ -86,7 +86,8 @@ GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "TerrainRugge
 STACKS = (("Stomp", "LongBody"), ("Penguin", "LongBody"), ("Kicking", "LongBody"), ("Joyful", "LongBody"),
           ("Stoop", "BigBody"), ("Kicking", "BigBody"), ("Pace", "BigBody"), ("JauntySkip", "BigBody"),
           ("Stomp", "LongThighs"), ("Penguin", "LongThighs"), ("Strutting", "LongThighs"),
-          ("Joyful", "LongThighs"))  # fmt: skip
+          ("Joyful", "LongThighs"), ("Penguin", "Ice"), ("Stomp", "Ice"), ("Limp", "Ice"),
+          ("Pace", "Ice"))  # fmt: skip
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
     "styles": Picture(tuple(Pane(f"walk-{name.lower()}", name) for name in STYLES), 4, 180),

@@ -20,6 +20,8 @@ _MOST = 60.0
 _WIDTH, _HEIGHT, _LEFT, _ABOVE, _LEGEND = 0.82, 0.68, 1.9, 0.8, 0.4
 """Size of a cell, and the room for names at its left, for titles above and below a block, and for the legend [inches].
 """
+_NARROWEST = 6.4
+"""Width of a picture whose legend is wider than its cells [inches]."""
 _GAP = 0.4
 """Room between the cells of two pairs, in cells."""
 _DARK = 20.0
@@ -37,7 +39,8 @@ def write_heat_map(pairs: Sequence[Sequence[Cell]], path: str | Path) -> None:
     for cells in pairs:
         blocks.setdefault(cells[0].kinds.split(" + ")[0], []).append(cells)
     sides = [(len({c[0].first for c in block}), len({c[0].second for c in block})) for block in blocks.values()]
-    width = _LEFT + _WIDTH * max((len(ACTING) + _GAP) * columns for _, columns in sides)  # the last gap is a margin
+    widest = _LEFT + _WIDTH * max((len(ACTING) + _GAP) * columns for _, columns in sides)  # the last gap is a margin
+    width = max(widest, _NARROWEST)
     heights = [_ABOVE + _HEIGHT * rows for rows, _ in sides]
     whole = sum(heights) + _LEGEND
     figure = Figure(figsize=(width, whole), dpi=110, facecolor=css(PAPER))
