@@ -36,6 +36,12 @@ def make_callback(k=2, **kwargs):
     )
 
 
+def standardised_advantages(buffer):
+    """(T, N, K) of each objective by itself, before weights."""
+    raw = buffer.returns - buffer.values
+    return (raw - raw.mean((0, 1))) / (raw.std((0, 1)) + 1e-8)
+
+
 class Check(BaseCallback):
     """Runs a function at every rollout's end, after the discriminators' callback."""
 

@@ -118,6 +118,7 @@ class DiscriminatorRewardCallback(BaseCallback):
             self._stock_normalize_advantage, self._in_training = model.normalize_advantage, True
         model.normalize_advantage = False  # advantages are standardised per objective already
         self.buffer = model.rollout_buffer = self._make_buffer()
+        self._weights()  # refuses factors that these worlds cannot have before anything is learned
         self.rollout = Rollout(model.n_steps, model.n_envs)
         if self.imitation is None or self._learner() is not model:
             self.rng = np.random.default_rng(model.seed)

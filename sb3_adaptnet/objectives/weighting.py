@@ -94,7 +94,7 @@ class ObjectiveWeights:
             weights = self._scaled(weights, self._in_turns, turning(goals), samples)
         if self._alone:
             if companions is None:
-                raise ValueError("alone needs worlds with companions: policy_kwargs has none of them")
+                raise ValueError("alone needs worlds with companions, and policy_kwargs names none")
             weights = self._scaled(weights, self._alone, np.asarray(companions == 0, np.float64), samples)
         return weights
 

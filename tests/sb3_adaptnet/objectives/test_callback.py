@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import torch
-from objective_cases import DISCRIMINATOR, SMALL, Check, make_callback, make_model
+from objective_cases import DISCRIMINATOR, SMALL, Check, make_callback, make_model, standardised_advantages
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor, VecNormalize
 from toy_env import ToyEnv, ToyVectorEnv
@@ -67,8 +67,7 @@ def test_advantages_are_standardised_and_weighted():
 
     def check(model):
         buffer = model.rollout_buffer
-        raw = buffer.returns - buffer.values
-        standard = (raw - raw.mean((0, 1))) / (raw.std((0, 1)) + 1e-8)
+        standard = standardised_advantages(buffer)
         np.testing.assert_allclose(buffer.advantages, standard @ [0.35, 0.65], rtol=1e-3, atol=1e-4)
         assert not model.normalize_advantage
 
@@ -123,8 +122,7 @@ def test_weights_change_with_the_samples():
 
     def check(model):
         buffer = model.rollout_buffer
-        raw = buffer.returns - buffer.values
-        standard = (raw - raw.mean((0, 1))) / (raw.std((0, 1)) + 1e-8)
+        standard = standardised_advantages(buffer)
         seen.append(np.linalg.lstsq(standard.reshape(-1, 2), buffer.advantages.reshape(-1), rcond=None)[0])
 
     model = make_model()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from objective_cases import DISCRIMINATOR, Check, make_model
+from objective_cases import DISCRIMINATOR, Check, make_model, standardised_advantages
 
 from sb3_adaptnet import AdaptVecEnv, DiscriminatorRewardCallback
 from sb3_adaptnet.objectives.weighting import ObjectiveWeights, turning
@@ -50,8 +50,7 @@ def test_advantages_of_a_rollout_are_weighed_where_each_sample_was():
 
     def check(model):
         buffer = model.rollout_buffer
-        raw = buffer.returns - buffer.values
-        standard = (raw - raw.mean((0, 1))) / (raw.std((0, 1)) + 1e-8)
+        standard = standardised_advantages(buffer)
         aside = turning(buffer.observations["observation"][..., -4:])
         imitation = 0.4 - 0.3 * aside
         expected = imitation * standard[..., 0] + (1 - imitation) * standard[..., 1]
@@ -61,6 +60,14 @@ def test_advantages_of_a_rollout_are_weighed_where_each_sample_was():
     env = AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", num_envs=16, num_threads=1, seed=0)
     make_model(env).learn(16 * 16 * 3, callback=[callback, Check(check)])
     assert min(low for low, _ in seen) == 0 and max(high for _, high in seen) == 1  # otherwise nothing was tested
+
+
+def test_factors_of_worlds_that_are_not_there_are_refused_before_anything_is_learned():
+    callback = DiscriminatorRewardCallback({"imitation": 0.4, "goal": 0.6}, alone={"imitation": 0.5})
+    model = make_model()
+    with pytest.raises(ValueError, match="alone needs worlds with companions"):
+        model.learn(16 * 16, callback=callback)
+    assert model.num_timesteps == 0
 
 
 def test_refuses_factors_that_are_none():
