@@ -1,12 +1,15 @@
 """The folder of one training run: what was asked for, its configuration, checkpoint, progress, curve."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import torch
 import yaml
+from filelock import FileLock, Timeout
 
 from adapt_envs.motion.library import load_clip, ships
 from sb3_adaptnet.runs.experiment import Experiment, conf_path, experiment, read_entry
@@ -71,14 +74,14 @@ class RunFolder:
         self.curve = path / "curve.png"
 
     @classmethod
-    def new(cls, settings: RunSettings, path: str | Path | None = None) -> "RunFolder":
-        """Create the folder, write `run.json` and `config.yml`; without a path the next free one under `runs/`.
+    def new(cls, settings: RunSettings, path: str | Path) -> "RunFolder":
+        """Create the folder, write `run.json` and `config.yml`.
 
         Raises:
             ValueError: if the path holds a run already, or there is no entry for what it shall train on.
         """
         entry = read_entry(conf_path(settings.conf_file or settings.algo), settings.env_id)
-        folder = cls(Path(path) if path is not None else next_path(settings.env_id), settings)
+        folder = cls(Path(path), settings)
         if cls.has_begun(folder.path):
             raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
         folder.path.mkdir(parents=True, exist_ok=True)
@@ -149,6 +152,25 @@ class RunFolder:
             return torch.load(self.checkpoint, map_location="cpu", weights_only=True)
         except Exception as error:  # torch raises many kinds for a cut or foreign file
             raise ValueError(f"{self.checkpoint} is not a checkpoint of this program, or is cut short") from error
+
+
+@contextmanager
+def held(path: Path) -> Iterator[None]:
+    """Keep other processes from training in a folder, which is created; a lock ends with its process, however it ends.
+
+    Raises:
+        ValueError: if another process trains there.
+    """
+    path.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(path / ".training.lock")
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        raise ValueError(f"another process is training in {path}; stop it, or choose another folder") from None
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def next_path(env_id: str) -> Path:

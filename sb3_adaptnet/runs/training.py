@@ -18,7 +18,7 @@ from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.experiment import ALGORITHMS, Experiment, experiment
 from sb3_adaptnet.runs.progress import METRICS, Measuring, RunProgress
-from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
+from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings, held, next_path
 from sb3_adaptnet.runs.saver import RunSaver, Stateful
 from sb3_adaptnet.runs.tracking_metrics import TRACKING_METRICS, TrackingMetrics
 from sb3_adaptnet.runs.worlds import make_worlds
@@ -81,7 +81,9 @@ def start(
     learner.others.extend(callbacks)
     if isinstance(learner.model.policy, PolicyFromBase):
         learner.model.policy.check_files_found()
-    return learn(learner, RunFolder.new(settings, run_dir), **options)
+    path = Path(run_dir) if run_dir is not None else next_path(settings.env_id)
+    with held(path):
+        return learn(learner, RunFolder.new(settings, path), **options)
 
 
 def resume(
@@ -89,12 +91,13 @@ def resume(
 ) -> RunFolder:
     """Go on with a run from its last checkpoint, by its own `config.yml`; all states as they were."""
     folder = RunFolder.open(run)
-    state = folder.load()
-    changes: dict[str, Any] = {"samples": samples, "device": device, "threads": threads}
-    settings = replace(folder.settings, **{name: new for name, new in changes.items() if new is not None})
-    learner = build_learner(settings, folder.experiment, int(state["samples"]))
-    folder.write_settings(settings)
-    return learn(learner, folder, state=state, **options)
+    with held(folder.path):
+        state = folder.load()
+        changes: dict[str, Any] = {"samples": samples, "device": device, "threads": threads}
+        settings = replace(folder.settings, **{name: new for name, new in changes.items() if new is not None})
+        learner = build_learner(settings, folder.experiment, int(state["samples"]))
+        folder.write_settings(settings)
+        return learn(learner, folder, state=state, **options)
 
 
 def learn(

@@ -3,6 +3,8 @@
 import csv
 import json
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -105,6 +107,34 @@ def test_a_run_killed_before_its_first_checkpoint_may_begin_again(tmp_path):
         start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
     folder.checkpoint.unlink()
     assert start(settings(tmp_path, samples=128), tmp_path / "run", quiet=True).load()["samples"] == 128
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from sb3_adaptnet.runs.run_folder import held
+with held(Path(sys.argv[1])):
+    print("held", flush=True)
+    time.sleep(600)
+"""
+"""A process that trains in a folder, as far as others can see."""
+
+
+def test_two_processes_do_not_train_in_one_folder(tmp_path):
+    folder = start(settings(tmp_path, samples=64), tmp_path / "run", quiet=True)
+    files = {file: file.read_bytes() for file in folder.path.iterdir() if file.is_file()}
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLDER, str(folder.path)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout.readline() == "held\n"
+        with pytest.raises(ValueError, match=r"another process is training in .*run; stop it"):
+            resume(folder.path, 128, quiet=True)
+        with pytest.raises(ValueError, match="another process is training in"):
+            start(settings(tmp_path, samples=64), folder.path, quiet=True)
+        assert all(file.read_bytes() == content for file, content in files.items())
+        process.kill()
+        process.wait()
+    assert resume(folder.path, 128, quiet=True).load()["samples"] == 128
 
 
 def test_a_run_keeps_the_settings_it_began_with(tmp_path):
