@@ -34,6 +34,17 @@ def make_hidden_layers(sizes: Sequence[int]) -> nn.ModuleList:
     return nn.ModuleList(layers)
 
 
+def log_factor(noise: float) -> float:
+    """What a factor on standard deviations adds to their logarithm.
+
+    Raises:
+        ValueError: if it is not above 0.
+    """
+    if not 0.0 < noise < math.inf:
+        raise ValueError(f"noise is a factor above 0, not {noise}")
+    return math.log(noise)
+
+
 class Backbone(Actor):
     """Normaliser, GRU, fully connected layers with ReLU6, and two linear heads.
 
@@ -78,6 +89,15 @@ class Backbone(Actor):
         """Make the standard deviation the same in every state, where it starts, and keep it from learning."""
         self.log_std.weight.zero_()
         self.log_std.requires_grad_(False)
+
+    @torch.no_grad()
+    def scale_std(self, noise: float) -> None:
+        """Multiply the standard deviations by a factor.
+
+        Raises:
+            ValueError: if it is not above 0.
+        """
+        self.log_std.bias += log_factor(noise)
 
     @property
     def learns_std(self) -> bool:

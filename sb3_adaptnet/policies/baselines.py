@@ -29,9 +29,16 @@ class FinetunePolicy(PolicyFromBase):
     actor: Backbone
     keeps_statistics = True
 
+    def __init__(self, *args: Any, noise: float = 1.0, **settings: Any) -> None:
+        """As `PolicyFromBase`, with a factor `noise` on the standard deviations of the base's actions; above 0."""
+        self.noise = float(noise)
+        super().__init__(*args, **settings)
+
     def adapt(self, base: Backbone) -> Actor:
-        """A copy of the base that learns."""
-        return finetuned_copy(base, self.reads_heightmap)
+        """A copy of the base that learns, with its own noise."""
+        copy = finetuned_copy(base, self.reads_heightmap)
+        copy.scale_std(self.noise)
+        return copy
 
     def actor_from(self, description: Mapping[str, Any]) -> Actor:
         """A network of the described sizes."""
@@ -40,6 +47,9 @@ class FinetunePolicy(PolicyFromBase):
     def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
         """The whole network, as a base."""
         return BASE, self.actor, self.describe_actor() | {"method": "finetune"}
+
+    def _get_constructor_parameters(self) -> dict[str, Any]:
+        return super()._get_constructor_parameters() | {"noise": self.noise}
 
 
 class RegularizedFinetunePolicy(PolicyFromBase):

@@ -12,7 +12,7 @@ from torch.nn import functional
 from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
 from sb3_adaptnet.modules.adaptation.companions import ActingCompanions, Companions
-from sb3_adaptnet.modules.backbone import Backbone
+from sb3_adaptnet.modules.backbone import Backbone, log_factor
 from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.layers.regularizers import penalise_distance
 from sb3_adaptnet.modules.observation import Observation
@@ -52,15 +52,13 @@ class AdaptedActor(Actor):
         noise: float = 1.0,
     ) -> None:
         super().__init__()
-        if not 0.0 < noise < math.inf:
-            raise ValueError(f"noise is a factor above 0, not {noise}")
         self.architecture = base.architecture
         self.base = base.requires_grad_(False)
         self.adaptations = nn.ModuleDict(adaptations)
         self.weights = dict.fromkeys(adaptations, 1.0)
         self.alpha = 1.0
         self.penalties = penalties or Penalties()
-        self.noise = noise
+        self.log_noise = log_factor(noise)
         self.companions: Companions | None = None
         self._layers: list[tuple[torch.Tensor, torch.Tensor]] | None = None  # summed, within `one_update`
 
@@ -175,7 +173,7 @@ class AdaptedActor(Actor):
             latent = functional.relu6(output)
             extra = None
         mean, log_std = self.base.heads(latent)
-        return mean, log_std if self.noise == 1.0 else log_std + math.log(self.noise)
+        return mean, log_std + self.log_noise
 
     def _companions_of(self, observation: Observation, base_latent: torch.Tensor) -> ActingCompanions | None:
         if self.companions is None or observation.companion is None:

@@ -33,20 +33,6 @@ def test_alpha_zero_is_the_base_after_training_and_may_change_every_step(tiny_ba
         model.policy.alpha = float("inf")
 
 
-def test_noise_scales_the_bases_deviations_and_leaves_the_mean_alone(tiny_base, tmp_path):
-    plain, quiet = (adapt(AdaptNetPolicy, ToyEnv(), tiny_base, noise=noise) for noise in (1.0, 0.5))
-    quiet.save(tmp_path / "quiet.zip")
-    models = plain, quiet, PPO.load(tmp_path / "quiet.zip")
-    seen = torch.as_tensor(observations())
-    usual, half, loaded = (model.policy.get_distribution(seen).distribution for model in models)
-    assert torch.equal(usual.mean, half.mean)
-    for scaled in (half, loaded):
-        assert torch.allclose(scaled.stddev, 0.5 * usual.stddev)
-    for wrong in (0.0, -1.0, float("inf"), float("nan")):
-        with pytest.raises(ValueError, match="noise is a factor above 0"):
-            adapt(AdaptNetPolicy, ToyEnv(), tiny_base, noise=wrong)
-
-
 def test_blending_and_switching(two_styles, tiny_base):
     alone = [act(load_policy(file, ToyEnv(), base=tiny_base)) for file in two_styles]
     policy = load_policy(two_styles[0], ToyEnv(), base=tiny_base)

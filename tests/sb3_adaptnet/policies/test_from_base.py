@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 from policy_cases import CASES, CHOICES, act, adapt, observations
+from stable_baselines3 import PPO
 from toy_env import ToyEnv
 
 from sb3_adaptnet import (
@@ -65,6 +66,21 @@ def test_log_std_stays_that_of_the_base_head(tiny_base):
         heads = [p for name, p in policy.named_parameters() if "log_std" in name]
         assert heads
         assert not any(p.requires_grad for p in heads)
+
+
+@pytest.mark.parametrize("policy_class", [AdaptNetPolicy, FinetunePolicy])
+def test_noise_scales_the_bases_deviations_and_leaves_the_mean_alone(policy_class, tiny_base, tmp_path):
+    plain, quiet = (adapt(policy_class, ToyEnv(), tiny_base, noise=noise) for noise in (1.0, 0.5))
+    quiet.save(tmp_path / "quiet.zip")
+    models = plain, quiet, PPO.load(tmp_path / "quiet.zip")
+    seen = torch.as_tensor(observations())
+    usual, half, loaded = (model.policy.get_distribution(seen).distribution for model in models)
+    assert torch.equal(usual.mean, half.mean)
+    for scaled in (half, loaded):
+        assert torch.allclose(scaled.stddev, 0.5 * usual.stddev)
+    for wrong in (0.0, -1.0, float("inf"), float("nan")):
+        with pytest.raises(ValueError, match="noise is a factor above 0"):
+            adapt(policy_class, ToyEnv(), tiny_base, noise=wrong)
 
 
 def test_base_drops_the_joints_that_the_character_lacks(tiny_base):
