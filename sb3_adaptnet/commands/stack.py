@@ -9,7 +9,7 @@ import torch
 from adapt_envs.commands.output import check_output
 from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.policy_options import ProgressBar
-from sb3_adaptnet.evaluation.stacking import markdown, measure_pairs, write_csv, write_heat_map
+from sb3_adaptnet.evaluation.stacking import markdown, measure_pairs, read_csv, renewed, write_csv, write_heat_map
 from sb3_adaptnet.stacking import pairs_of
 
 STACK_SECONDS = 200.0
@@ -31,7 +31,10 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--base-speeds", action="store_true", help=words)
     words = "find how strongly each acts in the sum: another seed, seven choices at most, about a minute a pair"
     parser.add_argument("--find-weights", action="store_true", help=words)
-    parser.add_argument("--csv", type=Path, metavar="FILE.csv", help="write every cell, after each pair")
+    table = parser.add_mutually_exclusive_group()
+    table.add_argument("--csv", type=Path, metavar="FILE.csv", help="write every cell, after each pair")
+    words = "the same into a table of before, whose other pairs stay, are printed and drawn"
+    table.add_argument("--into", type=Path, metavar="FILE.csv", help=words)
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.png", help="draw one heat map")
     parser.set_defaults(run=run)
 
@@ -40,20 +43,24 @@ def run(options: argparse.Namespace) -> int:
     """Measure all pairs; print a Markdown table.
 
     Raises:
-        ValueError: for files that cannot be written, or adaptations that are none or of which no two go together.
+        ValueError: for files that cannot be written, a table of before that is none, or adaptations that are none or of
+            which no two go together.
     """
-    for path, suffix in ((options.csv, ".csv"), (options.output, ".png")):
+    table = options.into or options.csv
+    for path, suffix in ((table, ".csv"), (options.output, ".png")):
         if path is not None:
             check_output(path, suffix)
+    before = read_csv(options.into) if options.into else []
     if options.threads is not None:
         torch.set_num_threads(options.threads)
     pairs, found, bar = pairs_of(options.adaptations), [], ProgressBar("walking")
     asked = (options.seconds, options.seed, options.threads, bar, options.base_speeds, options.find_weights)
     for cells in measure_pairs(pairs, *asked):
         found.append(cells)
-        if options.csv is not None:
-            write_csv(found, options.csv)
+        if table is not None:
+            write_csv(renewed(before, found), table)
+    whole = renewed(before, found)
     if options.output is not None:
-        write_heat_map(found, options.output)
-    print(markdown(found))
+        write_heat_map(whole, options.output)
+    print(markdown(whole))
     return 0

@@ -2,6 +2,6 @@
 
 from sb3_adaptnet.evaluation.stacking.cells import Cell, measure_pairs
 from sb3_adaptnet.evaluation.stacking.heat_map import write_heat_map
-from sb3_adaptnet.evaluation.stacking.table import markdown, write_csv
+from sb3_adaptnet.evaluation.stacking.table import markdown, read_csv, renewed, write_csv
 
-__all__ = ["Cell", "markdown", "measure_pairs", "write_csv", "write_heat_map"]
+__all__ = ["Cell", "markdown", "measure_pairs", "read_csv", "renewed", "write_csv", "write_heat_map"]

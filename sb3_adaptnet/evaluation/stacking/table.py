@@ -7,11 +7,15 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from sb3_adaptnet.evaluation.report import text_of
-from sb3_adaptnet.evaluation.stacking.cells import MOST_FALLS, Cell
+from sb3_adaptnet.evaluation.stacking.cells import ACTING, MOST_FALLS, Cell
 from sb3_adaptnet.weights.atomic_file import write_atomically
 
 Four = Sequence[Cell]
 """The cells of one pair, in the order of `cells.ACTING`."""
+_SAID = {"": None, "True": True, "False": False}
+"""What is written of whether a style is visible."""
+_BETWEEN = "; "
+"""Stands between the tests that failed."""
 _HEAD = ("stack", "weights", "falls per minute", "goal reward", "style error [m]", "style visible", "adds up")
 
 
@@ -55,5 +59,45 @@ def write_csv(pairs: Sequence[Four], path: Path) -> None:
     writer = csv.DictWriter(text, [item.name for item in fields(Cell)], lineterminator="\n")
     writer.writeheader()
     for cell in (cell for cells in pairs for cell in cells):
-        writer.writerow(asdict(cell) | {"weights": weights_of(cell), "failed_tests": "; ".join(cell.failed_tests)})
+        writer.writerow(asdict(cell) | {"weights": weights_of(cell), "failed_tests": _BETWEEN.join(cell.failed_tests)})
     write_atomically(path, lambda stream: stream.write(text.getvalue().encode()))
+
+
+def read_csv(path: Path) -> list[Four]:
+    """What `write_csv` wrote.
+
+    Raises:
+        ValueError: if there is no such file, or it is no such table.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            cells = [_cell(row) for row in csv.DictReader(stream)]
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror}") from error
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"{path} is no table of stacks: {' '.join(str(error).split())}") from error
+    pairs = [cells[start : start + len(ACTING)] for start in range(0, len(cells), len(ACTING))]
+    for pair in pairs:
+        if tuple(cell.acting for cell in pair) != ACTING or len({_name([cell]) for cell in pair}) > 1:
+            raise ValueError(f"{path} is no table of stacks: {_name(pair)} has not the rows {', '.join(ACTING)}")
+    return list(pairs)
+
+
+def _cell(row: dict[str, str]) -> Cell:
+    first, _, second = row["weights"].partition(" + ")
+    return Cell(
+        **{name: row[name] for name in ("first", "second", "kinds", "acting", "speeds")},
+        weights=(float(first), float(second)),
+        goal_reward=float(row["goal_reward"]),
+        falls_per_minute=float(row["falls_per_minute"]),
+        tempo_error_m=float(row["tempo_error_m"]) if row["tempo_error_m"] else None,
+        visible=_SAID[row["visible"]],
+        failed_tests=tuple(filter(None, row["failed_tests"].split(_BETWEEN))),
+        seconds=float(row["seconds"]),
+        seed=int(row["seed"]),
+    )
+
+
+def renewed(old: Sequence[Four], new: Sequence[Four]) -> list[Four]:
+    """The old pairs, those that were measured again by their new cells, and what is new besides at the end."""
+    return list(({_name(cells): cells for cells in old} | {_name(cells): cells for cells in new}).values())

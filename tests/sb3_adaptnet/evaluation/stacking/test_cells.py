@@ -1,6 +1,7 @@
 """Pairs of tiny adaptations, measured, tabled and drawn by the command."""
 
 import csv
+from dataclasses import replace
 from functools import partial
 
 import cv2
@@ -10,7 +11,7 @@ from evaluation_cases import save_tiny_adaptation, save_tiny_base
 from adapt_envs import env_id
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.evaluation.recording import record_straight
-from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, write_heat_map
+from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, read_csv, renewed, write_csv, write_heat_map
 from sb3_adaptnet.stacking import pairs_of
 from sb3_adaptnet.weights.card import amend_card
 
@@ -112,6 +113,56 @@ def test_table_and_picture_say_which_add_up(tmp_path):
     write_heat_map(pairs, tmp_path / "map.png")
     picture = cv2.imread(str(tmp_path / "map.png")).reshape(-1, 3)
     assert (abs(picture.astype(int) - (155, 112, 66)).max(axis=1) < 12).any(), "the frame of what adds up"
+
+
+def test_a_table_is_read_as_it_was_written(tmp_path):
+    pair = [replace(cell(acting, weights=(0.9, 1.2)), failed_tests=("cadence", "error")) for acting in cells.ACTING]
+    blind = [cell(acting, visible=None, kinds="body + ground", first="walk-c") for acting in cells.ACTING]
+    write_csv([pair, blind], tmp_path / "cells.csv")
+    assert read_csv(tmp_path / "cells.csv") == [pair, blind]
+
+
+def test_pairs_measured_again_replace_those_of_before_where_they_stood():
+    old = [[cell(acting, falls, first=name) for acting in cells.ACTING] for name, falls in (("a", 3.0), ("b", 2.0))]
+    new = [[cell(acting, 0.1, first=name) for acting in cells.ACTING] for name in ("c", "a")]
+    assert renewed(old, new) == [new[1], old[1], new[0]]
+
+
+def test_a_pair_goes_into_a_table_of_before(tiny, tmp_path, capsys):
+    table, picture = tmp_path / "cells.csv", tmp_path / "map.png"
+    kept = [cell(acting, first="walk-a") for acting in cells.ACTING]
+    stale = [replace(cell(acting, first="longshinswalk"), second="icewalk") for acting in cells.ACTING]
+    write_csv([stale, kept], table)
+    words = ["--seconds", "0.7", "--threads", "1", "--into", str(table), "-o", str(picture)]
+    assert main(["stack", str(tiny["LongShinsWalk"]), str(tiny["IceWalk"]), *words]) == 0
+    measured, other = read_csv(table)
+    assert other == kept and measured[0].kinds == "body + ground" and measured[0].seconds == pytest.approx(0.7, abs=0.1)
+    assert "walk-a + walk-b" in capsys.readouterr().out and picture.is_file()
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (None, "cannot be read"),
+        ("a,b\n1,2\n", "'weights'"),
+        ("torn", "walk-a + walk-b has not the rows base, first, second, both"),
+        ("word", "could not convert string to float: 'many'"),
+    ],
+)
+def test_a_table_of_before_that_is_none_is_one_sentence(text, complaint, tmp_path, capsys):
+    table = tmp_path / "cells.csv"
+    write_csv([[cell(acting, 0.25) for acting in cells.ACTING]], table)
+    if text is None:
+        table.unlink()
+    elif text == "torn":
+        table.write_text("".join(table.read_text().splitlines(keepends=True)[:-1]))
+    else:
+        table.write_text(table.read_text().replace("0.25", "many") if text == "word" else text)
+    before = table.read_bytes() if table.exists() else None
+    assert main(["stack", "walk-stoop", "walk-icewalk", "--into", str(table)]) == 2
+    printed = capsys.readouterr()
+    assert complaint in printed.err and printed.err.count("\n") == 1 and not printed.out
+    assert (table.read_bytes() if table.exists() else None) == before
 
 
 @pytest.mark.parametrize(
