@@ -16,6 +16,7 @@ from sb3_adaptnet.commands.train import INTERRUPTED
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import evaluate
 from sb3_adaptnet.policies.loading import load_policy
+from sb3_adaptnet.runs.lock import lock_of
 from sb3_adaptnet.runs.run_folder import RUNS, RunFolder
 from sb3_adaptnet.runs.training import resume, start
 from sb3_adaptnet.sweeps.attendant import ATTENDED, end_with_attendant
@@ -23,7 +24,7 @@ from sb3_adaptnet.sweeps.dispatch import check_room, has_ray, ray_libraries, run
 from sb3_adaptnet.sweeps.plan import prepare, units_of, waves
 from sb3_adaptnet.sweeps.status import csv_table, markdown_table, read_status, summary, text_table
 from sb3_adaptnet.sweeps.sweep_file import Sweep, read_sweep
-from sb3_adaptnet.sweeps.unit import DONE, LOCK_SECONDS, Unit, UnitFolder, lock_of
+from sb3_adaptnet.sweeps.unit import DONE, LOCK_SECONDS, Unit, UnitFolder
 from sb3_adaptnet.weights.shipped import pretrained_names
 
 NOT_ALL_DONE = 1

@@ -97,7 +97,7 @@ class Backbone(Actor):
         Raises:
             ValueError: if it is not above 0.
         """
-        self.log_std.bias += log_factor(noise)
+        self.log_std.bias.add_(log_factor(noise))
 
     @property
     def learns_std(self) -> bool:

@@ -1,15 +1,12 @@
 """The folder of one training run: what was asked for, its configuration, checkpoint, progress, curve."""
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import torch
 import yaml
-from filelock import FileLock, Timeout
 
 from adapt_envs.motion.library import load_clip, ships
 from sb3_adaptnet.runs.experiment import Experiment, conf_path, experiment, read_entry
@@ -152,25 +149,6 @@ class RunFolder:
             return torch.load(self.checkpoint, map_location="cpu", weights_only=True)
         except Exception as error:  # torch raises many kinds for a cut or foreign file
             raise ValueError(f"{self.checkpoint} is not a checkpoint of this program, or is cut short") from error
-
-
-@contextmanager
-def held(path: Path) -> Iterator[None]:
-    """Keep other processes from training in a folder, which is created; a lock ends with its process, however it ends.
-
-    Raises:
-        ValueError: if another process trains there.
-    """
-    path.mkdir(parents=True, exist_ok=True)
-    lock = FileLock(path / ".training.lock")
-    try:
-        lock.acquire(blocking=False)
-    except Timeout:
-        raise ValueError(f"another process is training in {path}; stop it, or choose another folder") from None
-    try:
-        yield
-    finally:
-        lock.release()
 
 
 def next_path(env_id: str) -> Path:

@@ -17,8 +17,9 @@ from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.experiment import ALGORITHMS, Experiment, experiment
+from sb3_adaptnet.runs.lock import held
 from sb3_adaptnet.runs.progress import METRICS, Measuring, RunProgress
-from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings, held, next_path
+from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings, next_path
 from sb3_adaptnet.runs.saver import RunSaver, Stateful
 from sb3_adaptnet.runs.tracking_metrics import TRACKING_METRICS, TrackingMetrics
 from sb3_adaptnet.runs.worlds import make_worlds

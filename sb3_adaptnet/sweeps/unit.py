@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from filelock import FileLock, Timeout
 
 from sb3_adaptnet.runs.experiment import LOADER
+from sb3_adaptnet.runs.lock import is_locked
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.sweeps.sweep_file import Measurement
 from sb3_adaptnet.weights.atomic_file import write_atomically
@@ -148,19 +148,3 @@ class UnitFolder:
         if self.failure.is_file():
             return FAILED
         return STOPPED if self.begun else WAITING
-
-
-def lock_of(folder: Path) -> FileLock:
-    """The lock that says a process is at work in a folder; it falls with its process, however that ends."""
-    return FileLock(folder / ".lock")
-
-
-def is_locked(folder: Path) -> bool:
-    """Whether a process is at work in a folder."""
-    if not (folder / ".lock").is_file():
-        return False
-    try:
-        with lock_of(folder).acquire(timeout=0):
-            return False
-    except Timeout:
-        return True

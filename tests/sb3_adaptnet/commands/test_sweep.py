@@ -5,11 +5,12 @@ import json
 import pytest
 import yaml
 from evaluation_cases import save_tiny_base
+from filelock import FileLock
 
 from sb3_adaptnet.commands import sweep
 from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.runs.lock import lock_of
 from sb3_adaptnet.sweeps import UnitFolder, prepare, read_sweep, units_of
-from sb3_adaptnet.sweeps.unit import lock_of
 
 
 @pytest.mark.parametrize(
@@ -57,7 +58,7 @@ def test_what_may_go_well_later_is_no_bad_input(tmp_path, monkeypatch, capsys):
     file.write_text(yaml.safe_dump({"tasks": [task]}))
     (place,) = prepare(units_of(read_sweep(file), 1), tmp_path / "runs")
     monkeypatch.setattr(sweep, "LOCK_SECONDS", 0.1)
-    with lock_of(place.path):
+    with FileLock(lock_of(place.path).lock_file):  # as another process does
         assert main(["sweep", "run", str(place.path)]) == sweep.TRY_AGAIN
     assert "another process is at work" in capsys.readouterr().err
     (place.path / "progress.csv").mkdir()  # the system refuses to write there, as a full disk would

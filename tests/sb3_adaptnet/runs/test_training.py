@@ -112,7 +112,7 @@ def test_a_run_killed_before_its_first_checkpoint_may_begin_again(tmp_path):
 HOLDER = """
 import sys, time
 from pathlib import Path
-from sb3_adaptnet.runs.run_folder import held
+from sb3_adaptnet.runs.lock import held
 with held(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(600)
@@ -127,9 +127,9 @@ def test_two_processes_do_not_train_in_one_folder(tmp_path):
         [sys.executable, "-c", HOLDER, str(folder.path)], stdout=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout.readline() == "held\n"
-        with pytest.raises(ValueError, match=r"another process is training in .*run; stop it"):
+        with pytest.raises(ValueError, match=r"another process is at work in .*run; stop it"):
             resume(folder.path, 128, quiet=True)
-        with pytest.raises(ValueError, match="another process is training in"):
+        with pytest.raises(ValueError, match="another process is at work in"):
             start(settings(tmp_path, samples=64), folder.path, quiet=True)
         assert all(file.read_bytes() == content for file, content in files.items())
         process.kill()

@@ -1,8 +1,5 @@
 """Who runs what: the parts that need no cluster."""
 
-import subprocess
-import sys
-
 import pytest
 from sweep_cases import sweep_file
 
@@ -10,7 +7,7 @@ from sb3_adaptnet.runs import RunFolder
 from sb3_adaptnet.sweeps import prepare, read_sweep, units_of
 from sb3_adaptnet.sweeps.attendant import attend, last_line
 from sb3_adaptnet.sweeps.dispatch import check_room, has_ray, ray_libraries
-from sb3_adaptnet.sweeps.unit import FAILED, is_locked, lock_of
+from sb3_adaptnet.sweeps.unit import FAILED
 
 
 def test_more_than_the_machine_has_is_refused():
@@ -33,28 +30,6 @@ def test_a_run_that_was_refused_is_not_tried_again_and_says_why(tmp_path, capfd)
     assert not attend(place.path)
     assert "exit code 2: adaptnet sweep:" in place.failure.read_text() and "cut short" in capfd.readouterr().out
     assert place.state() == FAILED and not place.result.exists()
-
-
-HOLDER = """
-import sys, time
-from filelock import FileLock
-lock = FileLock(sys.argv[1])
-lock.acquire()
-print("held", flush=True)
-time.sleep(600)
-"""
-"""A process that holds a lock until it is killed."""
-
-
-def test_a_lock_falls_with_whoever_held_it(tmp_path):
-    assert not is_locked(tmp_path)
-    words = [sys.executable, "-c", HOLDER, lock_of(tmp_path).lock_file]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout.readline() == "held\n"
-        assert is_locked(tmp_path)
-        process.kill()
-        process.wait()
-    assert not is_locked(tmp_path)
 
 
 def test_the_last_words_of_a_log(tmp_path):

@@ -9,10 +9,11 @@ from evaluation_cases import figures_with
 from sweep_cases import sweep_file
 
 from sb3_adaptnet.runs.history import write_rows
+from sb3_adaptnet.runs.lock import lock_of
 from sb3_adaptnet.sweeps import prepare, read_status, read_sweep, units_of
 from sb3_adaptnet.sweeps.status import csv_table, markdown_table, mean, text_table
 from sb3_adaptnet.sweeps.sweep_file import Measurement
-from sb3_adaptnet.sweeps.unit import Unit, UnitFolder, lock_of
+from sb3_adaptnet.sweeps.unit import Unit, UnitFolder
 
 
 @pytest.fixture
