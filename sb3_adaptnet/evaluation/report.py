@@ -18,6 +18,8 @@ ROWS = (
     ("... at about the clip's tempo [m]", "tempo_error_m", "{:.3f}"),
     ("... of the base [m]", "base_tempo_error_m", "{:.3f}"),
     ("... in world space [m]", "world_error_m", "{:.3f}"),
+    ("speed straight ahead [m/s]", "speed_m_s", "{:.2f}"),
+    ("... that was asked for [m/s]", "asked_speed_m_s", "{:.2f}"),
     ("cadence [Hz]", "cadence_hz", "{:.2f}"),
     ("... of the clip [Hz]", "clip_cadence_hz", "{:.2f}"),
     ("foot height [m]", "foot_height_m", "{:.2f}"),

@@ -1,9 +1,14 @@
 """Whether a style can be seen: a policy's gait and motion beside its clip's, at about the clip's tempo."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from adapt_envs import AdaptVectorEnv
+from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.model.soles import sole_corners
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import BASES, load_clip
@@ -35,6 +40,8 @@ class StyleFigures:
     Attributes:
         visible: whether the style can be seen: no test failed; None where there is none, or no base to compare with.
         failed_tests: which tests failed, in words.
+        speed_m_s: how fast the root gets ahead [m/s].
+        asked_speed_m_s: the preferred speed [m/s].
         cadence_hz: strides per second of one foot; None also where nothing repeats.
         clip_cadence_hz: the clip's.
         foot_height_m: how high a foot rises in a typical stride [m], see `gait_of`.
@@ -48,6 +55,8 @@ class StyleFigures:
 
     visible: bool | None
     failed_tests: tuple[str, ...]
+    speed_m_s: float | None
+    asked_speed_m_s: float | None
     cadence_hz: float | None
     clip_cadence_hz: float | None
     foot_height_m: float | None
@@ -97,7 +106,8 @@ def style_figures(
         expected: the clip's gait, if it is known already.
     """
     clip, body = env.worlds.reference.clips[0], env.worlds.reference.model
-    expected = expected or clip_gait(clip, reference_speed(env), body)
+    asked = reference_speed(env)
+    expected = expected or clip_gait(clip, asked, body)
     stretches = [straight.links[start:stop, world] for world, start, stop in settled(straight)]
     found = gait_of(stretches, sole_corners(env.worlds.model), env.worlds.ground.floor_at)
     matched = matches(straight, clip, BOUNDED, body)
@@ -106,6 +116,8 @@ def style_figures(
     return StyleFigures(
         visible=False if failed else True if is_style(clip) and base_error is not None else None,
         failed_tests=failed,
+        speed_m_s=rounded(speed_of(stretches)),
+        asked_speed_m_s=rounded(asked),
         cadence_hz=rounded(found.cadence_hz),
         clip_cadence_hz=rounded(expected.cadence_hz),
         foot_height_m=rounded(found.foot_height_m),
@@ -116,6 +128,12 @@ def style_figures(
         base_tempo_error_m=rounded(base_error),
         world_error_m=rounded(world_error(straight, clip, matched, body)),
     )
+
+
+def speed_of(stretches: Sequence[NDArray[np.float32]]) -> float | None:
+    """How fast [m/s] the roots get from where stretches of link states (T, 15, 13) begin to where they end."""
+    ways = [float(np.linalg.norm(links[-1, 0, :2] - links[0, 0, :2])) for links in stretches]
+    return sum(ways) / (CONTROL_DT * sum(len(links) - 1 for links in stretches)) if stretches else None
 
 
 def failed_tests(found: Gait, clip: Gait, error: float | None, base_error: float | None) -> tuple[str, ...]:

@@ -23,8 +23,8 @@ FIELDS = {
     "goal_reward", "falls_per_minute", "lost_per_minute", "targets_reached", "imitation_error_m",
     "imitation_error_std_m",
     "slip_median_cm_s", "slip_p90_cm_s", "jerk_ratio", "seconds", "seed",
-    "visible", "failed_tests", "cadence_hz", "clip_cadence_hz", "foot_height_m", "clip_foot_height_m",
-    "flight_share", "clip_flight_share", "tempo_error_m", "base_tempo_error_m", "world_error_m",
+    "visible", "failed_tests", "speed_m_s", "asked_speed_m_s", "cadence_hz", "clip_cadence_hz",
+    "foot_height_m", "clip_foot_height_m", "flight_share", "clip_flight_share", "tempo_error_m", "base_tempo_error_m", "world_error_m",
 }  # fmt: skip
 
 
@@ -155,7 +155,7 @@ def test_tables_and_page(tmp_path):
     figures = {"base <1>": figures_with(goal_reward=0.81234, visible=False, failed_tests=complaints)}
     text = text_table(figures)
     assert "0.812" in text and text.splitlines()[4].split()[-1] == "-"
-    assert text.splitlines()[16].split() == ["style", "visible", "no"]
+    assert text.splitlines()[18].split() == ["style", "visible", "no"]
     assert text.splitlines()[-2:] == [
         "base <1> is not visible: cadence none",
         "base <1> is not visible: tempo error 0.1 m",

@@ -47,6 +47,7 @@ def test_the_clip_itself_has_no_error_and_is_visible(worlds, goose):
     assert found.cadence_hz == pytest.approx(found.clip_cadence_hz, rel=0.01)
     assert found.foot_height_m == pytest.approx(found.clip_foot_height_m, rel=0.01)
     assert found.flight_share == found.clip_flight_share == 0
+    assert found.speed_m_s == pytest.approx(found.asked_speed_m_s, rel=0.03)
 
 
 def test_the_clip_at_double_tempo_is_not_visible(worlds, goose):
@@ -55,6 +56,7 @@ def test_the_clip_at_double_tempo_is_not_visible(worlds, goose):
     assert imitation_error(doubled, goose).mean == pytest.approx(0, abs=2e-5)
     assert found.visible is False and found.failed_tests[0].startswith("cadence 0.91 Hz: the clip's is 0.45 Hz")
     assert found.cadence_hz == pytest.approx(2 * found.clip_cadence_hz, rel=0.01) and found.tempo_error_m > 0.05
+    assert found.speed_m_s == pytest.approx(2 * found.asked_speed_m_s, rel=0.03)
 
 
 def test_the_clip_with_its_kicks_cut_off_is_not_visible(worlds, goose):
@@ -111,7 +113,10 @@ def test_without_a_base_or_a_style_nothing_can_be_said(worlds, goose, walking):
 
 def test_who_never_stays_up_shows_nothing(worlds, goose):
     found = style_figures(worlds, recording_of(goose.at(FRAMES[:80])), BASE_ERROR)
-    assert found.visible is False and found.cadence_hz is found.tempo_error_m is found.world_error_m is None
+    assert (
+        found.visible is False
+        and found.speed_m_s is found.cadence_hz is found.tempo_error_m is found.world_error_m is None
+    )
     assert [test.split(":")[0] for test in found.failed_tests] == [
         "cadence none", "foot height none", "tempo error none",
     ]  # fmt: skip
