@@ -26,7 +26,7 @@ from adapt_envs.suite import TaskSpec, preferred_speeds
 from adapt_envs.tables import entry
 from adapt_envs.tasks.clearance import clearance_reward
 from adapt_envs.tasks.foot_slip import footing_reward
-from adapt_envs.tasks.goal import goal_observation, goal_reward
+from adapt_envs.tasks.goal import GOAL_RADIUS, goal_observation, goal_reward
 from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes
 from adapt_envs.tasks.termination import LOST_DISTANCE, RUNNING, ends
@@ -103,7 +103,8 @@ class Worlds:
         """(N,) how near the last step was to the motion at its own tempo, in (0, 1]; see `tracking_reward`.
 
         Of a motion of minutes it is a gait cycle cut out of it, the one nearest to the preferred speed. What is
-        followed begins at the first reading, with the nearest frames. 0 if the motion holds no gait.
+        followed begins at the first reading, with the nearest frames. 0 if the motion holds no gait. Within 0.5 m of
+        the target, where the task is done and one may stand, it stays as it was on arrival: to arrive costs nothing.
         """
         if self._clocks is None:
             self._clocks = GaitClocks(gait_cycles(self.reference, self.goals.speed_range), len(self._all))
@@ -190,7 +191,8 @@ class Worlds:
         self._features = heading_frame_features(self.history, self.ground.floor_at(after))
         if self._clocks is not None:
             self._clocks.advance(self._positions, speed)
-            self._tracking = self._clocks.rewards(self._positions, speed)
+            fresh = self._clocks.rewards(self._positions, speed)
+            self._tracking = np.where(left < GOAL_RADIUS, self._tracking, fresh)
         return self._remembered(self._observed(self._features, self._all), diverged), reward, code
 
     def _remember_links(self, diverged: NDArray[np.bool_]) -> None:

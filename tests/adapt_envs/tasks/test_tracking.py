@@ -161,6 +161,20 @@ def test_environments_keep_it_for_the_transition_before_a_restart():
     assert env.tracking[fallen].min() > 0.5
 
 
+def test_at_the_target_it_stays_as_it_was_on_arrival():
+    env = make_vector(env_id("Stoop"), 4)
+    env.reset(seed=0)
+    arrived = env.tracking
+    pose = np.tile(env.single_action_space.mean_pose, (4, 1))
+    for _ in range(6):
+        env.worlds.goals.target[:2] = env.worlds.root_xy[:2]
+        env.step(pose)
+    assert np.array_equal(env.tracking[:2], arrived[:2]) and (env.tracking[2:] < 0.9).all()
+    env.worlds.goals.target[:2] += 3
+    env.step(pose)
+    assert (env.tracking < 0.9).all()  # where there is way to go again it is what the world does
+
+
 def test_a_motion_of_minutes_is_followed_by_its_gaits():
     env = make_vector(env_id("Walk"), 64)
     env.reset(seed=0)

@@ -24,7 +24,8 @@ FIELDS = {
     "imitation_error_std_m",
     "slip_median_cm_s", "slip_p90_cm_s", "jerk_ratio", "seconds", "seed",
     "visible", "failed_tests", "speed_m_s", "asked_speed_m_s", "cadence_hz", "clip_cadence_hz",
-    "foot_height_m", "clip_foot_height_m", "flight_share", "clip_flight_share", "tempo_error_m", "base_tempo_error_m", "world_error_m",
+    "foot_height_m", "clip_foot_height_m", "flight_share", "clip_flight_share",
+    "tempo_error_m", "base_tempo_error_m", "world_error_m",
 }  # fmt: skip
 
 
