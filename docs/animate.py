@@ -83,8 +83,8 @@ BODIES = (("walk", "LongShinsWalk"), ("walk", "LongThighsWalk"), ("walk", "Super
           ("run", "LongThighs"))  # fmt: skip
 LOCKS = (("walk", "LockedRightKneeWalk"), ("walk", "LockedAnklesWalk"), ("run", "LockedRightKnee"))
 GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "TerrainRugged"), ("walk", "Obstacles"))
-STACKS = (("Stomp", "LongBody"), ("Penguin", "LongBody"), ("Kicking", "LongBody"), ("Joyful", "LongBody"),
-          ("Stoop", "BigBody"), ("Kicking", "BigBody"), ("Pace", "BigBody"), ("JauntySkip", "BigBody"),
+STACKS = (("Stomp", "LongBody"), ("Penguin", "LongBody"), ("Kicking", "LongBody"), ("JauntySkip", "LongBody"),
+          ("Stoop", "BigBody"), ("Kicking", "BigBody"), ("Pace", "BigBody"), ("Joyful", "BigBody"),
           ("Stomp", "LongThighs"), ("Penguin", "LongThighs"), ("Strutting", "LongThighs"),
           ("Joyful", "LongThighs"), ("Penguin", "Ice"), ("Stomp", "Ice"), ("Limp", "Ice"),
           ("Pace", "Ice"))  # fmt: skip

@@ -50,16 +50,15 @@ def run(options: argparse.Namespace) -> int:
     for path, suffix in ((table, ".csv"), (options.output, ".png")):
         if path is not None:
             check_output(path, suffix)
-    before = read_csv(options.into) if options.into else []
+    whole = read_csv(options.into) if options.into else []
     if options.threads is not None:
         torch.set_num_threads(options.threads)
-    pairs, found, bar = pairs_of(options.adaptations), [], ProgressBar("walking")
+    pairs, bar = pairs_of(options.adaptations), ProgressBar("walking")
     asked = (options.seconds, options.seed, options.threads, bar, options.base_speeds, options.find_weights)
     for cells in measure_pairs(pairs, *asked):
-        found.append(cells)
+        whole = renewed(whole, [cells])
         if table is not None:
-            write_csv(renewed(before, found), table)
-    whole = renewed(before, found)
+            write_csv(whole, table)
     if options.output is not None:
         write_heat_map(whole, options.output)
     print(markdown(whole))

@@ -12,6 +12,7 @@ from sb3_adaptnet.weights.atomic_file import write_atomically
 
 Four = Sequence[Cell]
 """The cells of one pair, in the order of `cells.ACTING`."""
+_COLUMNS = [item.name for item in fields(Cell)]
 _SAID = {"": None, "True": True, "False": False}
 """What is written of whether a style is visible."""
 _BETWEEN = "; "
@@ -56,7 +57,7 @@ def _row(cells: Four) -> tuple[str, ...]:
 def write_csv(pairs: Sequence[Four], path: Path) -> None:
     """Write a row for every cell, four to a pair; the file appears whole."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, [item.name for item in fields(Cell)], lineterminator="\n")
+    writer = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
     writer.writeheader()
     for cell in (cell for cells in pairs for cell in cells):
         writer.writerow(asdict(cell) | {"weights": weights_of(cell), "failed_tests": _BETWEEN.join(cell.failed_tests)})
@@ -71,10 +72,13 @@ def read_csv(path: Path) -> list[Four]:
     """
     try:
         with path.open(encoding="utf-8", newline="") as stream:
-            cells = [_cell(row) for row in csv.DictReader(stream)]
+            reader = csv.DictReader(stream)
+            if reader.fieldnames != _COLUMNS:
+                raise ValueError(f"its columns are not {', '.join(_COLUMNS)}")
+            cells = [_cell(row) for row in reader]
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from error
-    except (KeyError, ValueError, TypeError, AttributeError) as error:
+    except (ValueError, TypeError, AttributeError) as error:  # a cell that is none, or a row that is too short
         raise ValueError(f"{path} is no table of stacks: {' '.join(str(error).split())}") from error
     pairs = [cells[start : start + len(ACTING)] for start in range(0, len(cells), len(ACTING))]
     for pair in pairs:
@@ -84,6 +88,8 @@ def read_csv(path: Path) -> list[Four]:
 
 
 def _cell(row: dict[str, str]) -> Cell:
+    if row["visible"] not in _SAID:
+        raise ValueError(f"visible is {row['visible']!r}, and not True, False or empty")
     first, _, second = row["weights"].partition(" + ")
     return Cell(
         **{name: row[name] for name in ("first", "second", "kinds", "acting", "speeds")},

@@ -144,7 +144,10 @@ def test_a_pair_goes_into_a_table_of_before(tiny, tmp_path, capsys):
     ("text", "complaint"),
     [
         (None, "cannot be read"),
-        ("a,b\n1,2\n", "'weights'"),
+        ("a,b\n1,2\n", "its columns are not first, second, kinds"),
+        ("a,b\n", "its columns are not first, second, kinds"),
+        ("", "its columns are not first, second, kinds"),
+        ("maybe", "visible is 'Maybe', and not True, False or empty"),
         ("torn", "walk-a + walk-b has not the rows base, first, second, both"),
         ("word", "could not convert string to float: 'many'"),
     ],
@@ -157,7 +160,8 @@ def test_a_table_of_before_that_is_none_is_one_sentence(text, complaint, tmp_pat
     elif text == "torn":
         table.write_text("".join(table.read_text().splitlines(keepends=True)[:-1]))
     else:
-        table.write_text(table.read_text().replace("0.25", "many") if text == "word" else text)
+        old, new = {"word": ("0.25", "many"), "maybe": (",True,", ",Maybe,")}.get(text, (table.read_text(), text))
+        table.write_text(table.read_text().replace(old, new))
     before = table.read_bytes() if table.exists() else None
     assert main(["stack", "walk-stoop", "walk-icewalk", "--into", str(table)]) == 2
     printed = capsys.readouterr()
