@@ -39,6 +39,8 @@ def add_parser(subparsers: Any) -> None:
     add_options(parser)
     parser.add_argument("--seconds", type=seconds_of, default=DEFAULT_SECONDS, help="simulated seconds (default 1200)")
     parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
+    words = "preferred speed straight ahead, instead of the motion's own"
+    parser.add_argument("--speed", type=speed_of, metavar="M_S", help=words)
     parser.add_argument("--push-scale", type=float, metavar="S", help="pushes at S times their force (default 1)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--write-card", action="store_true", help="write the figures into the weight file's card")
@@ -58,12 +60,21 @@ def add_parser(subparsers: Any) -> None:
 
 def seconds_of(text: str) -> float:
     """Parse a positive number of seconds."""
+    return _positive(text, "seconds")
+
+
+def speed_of(text: str) -> float:
+    """Parse a positive number of metres per second."""
+    return _positive(text, "metres per second")
+
+
+def _positive(text: str, units: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = 0.0
     if not (value > 0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of {units}")
     return value
 
 
@@ -78,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
     if options.push_scale is not None:
         loaded.env.push_scale = options.push_scale
     bar, base = ProgressBar("walking"), base_of(loaded, options.base)
-    found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, bar, base)
+    found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, bar, base, options.speed)
     if options.json:
         print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
     else:
@@ -109,8 +120,9 @@ def check_outputs(options: argparse.Namespace) -> None:
     if options.write_card:
         if is_address(options.policy):
             raise ValueError("--write-card writes into your own file; get one with: adaptnet pull ADDRESS -o FOLDER")
-        if options.alpha is not None or options.styles or options.push_scale is not None or options.clip is not None:
-            words = "leave out --alpha, --styles, --push-scale and --clip"
+        changes = (options.alpha, options.styles or None, options.push_scale, options.clip, options.speed)
+        if any(change is not None for change in changes):
+            words = "leave out --alpha, --styles, --push-scale, --clip and --speed"
             raise ValueError(f"--write-card measures the file as it is: {words}")
         check_output(resolve(options.policy))
     wanted = {

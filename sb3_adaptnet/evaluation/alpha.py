@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from adapt_envs import AdaptVectorEnv
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.progress import Progress
-from sb3_adaptnet.evaluation.recording import Acting, Recording, record_straight, reference_speed
+from sb3_adaptnet.evaluation.recording import Acting, Recording, record_straight
 from sb3_adaptnet.evaluation.rollout_clips import typical_clip
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
@@ -26,8 +26,9 @@ def at_alpha(policy: AdaptNetPolicy, alpha: float) -> Iterator[None]:
 
 
 def record_base(
-    policy: Acting, env: AdaptVectorEnv, seed: int, progress: Progress = iter, base: Acting | None = None
-) -> Recording | None:
+    policy: Acting, env: AdaptVectorEnv, seed: int, progress: Progress = iter, base: Acting | None = None,
+    speed: float | None = None,
+) -> Recording | None:  # fmt: skip
     """The base going straight ahead; None if there is none: neither a given one nor an adaptation's own.
 
     Args:
@@ -36,13 +37,14 @@ def record_base(
         seed: of the start states.
         progress: wraps the step numbers.
         base: another base.
+        speed: preferred speed [m/s]; None for the worlds' `reference_speed`.
     """
     if base is not None:
-        return record_straight(base, env, reference_speed(env), seed, progress=progress)
+        return record_straight(base, env, speed, seed, progress=progress)
     if not isinstance(policy, AdaptNetPolicy) or policy.merged:
         return None
     with at_alpha(policy, 0.0):
-        return record_straight(policy, env, reference_speed(env), seed, progress=progress)
+        return record_straight(policy, env, speed, seed, progress=progress)
 
 
 def alpha_clips(
@@ -60,6 +62,6 @@ def alpha_clips(
     reference, joints, clips = env.worlds.reference.clips[0], env.worlds.reference.joint_names, {}
     for alpha in alphas:
         with at_alpha(policy, alpha):
-            recording = record_straight(policy, env, reference_speed(env), seed, seconds)
+            recording = record_straight(policy, env, None, seed, seconds)
         clips[f"alpha = {alpha:g}"] = typical_clip(recording, reference, joints, f"alpha {alpha:g}")
     return clips

@@ -8,7 +8,7 @@ from adapt_envs import AdaptVectorEnv
 from adapt_envs.model.humanoid import CONTROL_DT
 from adapt_envs.progress import Progress
 from sb3_adaptnet.evaluation.imitation_error import imitation_error
-from sb3_adaptnet.evaluation.recording import Acting, Recording, record, record_straight, reference_speed
+from sb3_adaptnet.evaluation.recording import Acting, Recording, record, record_straight
 from sb3_adaptnet.evaluation.smoothness import jerk_ratio, slips
 from sb3_adaptnet.evaluation.style import StyleFigures, rounded, style_figures, tempo_error_of_base
 
@@ -66,7 +66,7 @@ class Evaluation:
 
 def evaluate(
     policy: Acting, env: AdaptVectorEnv, seconds: float = DEFAULT_SECONDS, seed: int = 0, progress: Progress = iter,
-    base: Acting | None = None,
+    base: Acting | None = None, speed: float | None = None,
 ) -> Evaluation:  # fmt: skip
     """Measure a policy's mean action.
 
@@ -77,6 +77,7 @@ def evaluate(
         seed: of start states and goals.
         progress: wraps the step numbers of each rollout.
         base: what a style's visibility is compared with; None takes an adaptation's own base.
+        speed: preferred speed [m/s] straight ahead; None for the worlds' `reference_speed`.
 
     Raises:
         ValueError: if `seconds` is less than one step of all worlds.
@@ -85,8 +86,8 @@ def evaluate(
     if steps < 1:
         raise ValueError(f"seconds is {seconds}, but one step of {env.num_envs} worlds takes {env.num_envs / 30:.2f}")
     free = record(policy, env, steps, seed, progress)
-    straight = record_straight(policy, env, reference_speed(env), seed, progress=progress)
-    base_error = tempo_error_of_base(policy, env, seed, progress, base)
+    straight = record_straight(policy, env, speed, seed, progress=progress)
+    base_error = tempo_error_of_base(policy, env, seed, progress, base, speed)
     return Evaluation(figures_of(env, free, straight, base_error, seed), free, straight)
 
 

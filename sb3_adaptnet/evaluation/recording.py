@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -51,6 +51,7 @@ class Recording:
         ends: how many episodes ended for each reason.
         targets: how many targets were left behind: their timer or the episode ended.
         reached: how many of them had come within 0.5 m.
+        asked_speed: the preferred speed [m/s] where the goal was held straight ahead; None for random goals.
     """
 
     qpos: NDArray[np.float64] = field(repr=False)
@@ -61,6 +62,7 @@ class Recording:
     ends: Counter[str]
     targets: int
     reached: int
+    asked_speed: float | None = None
 
     @property
     def seconds(self) -> float:
@@ -129,7 +131,7 @@ def record(policy: Acting, env: AdaptVectorEnv, steps: int, seed: int, progress:
 
 
 def record_straight(
-    policy: Acting, env: AdaptVectorEnv, speed: float, seed: int, seconds: float = STRAIGHT_SECONDS,
+    policy: Acting, env: AdaptVectorEnv, speed: float | None, seed: int, seconds: float = STRAIGHT_SECONDS,
     progress: Progress = iter,
 ) -> Recording:  # fmt: skip
     """Run the policy's mean action with the goal held straight ahead of where each world starts out heading.
@@ -137,22 +139,23 @@ def record_straight(
     Args:
         policy: acts on observations of all worlds.
         env: worlds without a time limit; afterwards their goals are random again.
-        speed: preferred speed [m/s].
+        speed: preferred speed [m/s]; None for their `reference_speed`.
         seed: of the start states.
         seconds: simulated seconds of each world.
         progress: wraps the step numbers.
     """
+    asked = reference_speed(env) if speed is None else speed
 
     def hold_ahead(ids: NDArray[np.integer]) -> None:
         # The observation in hand still shows the goal sampled at the restart, for this one step.
         for world in ids:
-            env.set_goal(float(env.worlds.root_heading[world]), speed, np.array([world]))
+            env.set_goal(float(env.worlds.root_heading[world]), asked, np.array([world]))
 
     observations, _ = env.reset(seed=seed)
     hold_ahead(np.arange(env.num_envs))
     recording = _run(policy, env, observations, range(round(seconds / CONTROL_DT)), progress, hold_ahead)
     env.set_goal(None, None)
-    return recording
+    return replace(recording, asked_speed=asked)
 
 
 def _as_it_comes(ids: NDArray[np.integer]) -> None:

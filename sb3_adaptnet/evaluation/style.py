@@ -78,8 +78,9 @@ def is_style(clip: MotionClip) -> bool:
 
 
 def tempo_error_of_base(
-    policy: Acting, env: AdaptVectorEnv, seed: int, progress: Progress = iter, base: Acting | None = None
-) -> float | None:
+    policy: Acting, env: AdaptVectorEnv, seed: int, progress: Progress = iter, base: Acting | None = None,
+    speed: float | None = None,
+) -> float | None:  # fmt: skip
     """A base's tempo-bounded error [m] on the worlds' style; None if it is no style, or if there is no base.
 
     Args:
@@ -88,9 +89,10 @@ def tempo_error_of_base(
         seed: of the start states.
         progress: wraps the step numbers.
         base: another base.
+        speed: preferred speed [m/s]; None for the worlds' `reference_speed`.
     """
     clip, body = env.worlds.reference.clips[0], env.worlds.reference.model
-    straight = record_base(policy, env, seed, progress, base) if is_style(clip) else None
+    straight = record_base(policy, env, seed, progress, base, speed) if is_style(clip) else None
     return None if straight is None else imitation_error(straight, clip, BOUNDED, body).mean
 
 
@@ -101,12 +103,12 @@ def style_figures(
 
     Args:
         env: the worlds.
-        straight: of `record_straight` at their `reference_speed`.
+        straight: of `record_straight`.
         base_error: tempo-bounded error of the base [m]; None if there is no base to compare with.
         expected: the clip's gait, if it is known already.
     """
     clip, body = env.worlds.reference.clips[0], env.worlds.reference.model
-    asked = reference_speed(env)
+    asked = reference_speed(env) if straight.asked_speed is None else straight.asked_speed
     expected = expected or clip_gait(clip, asked, body)
     stretches = [straight.links[start:stop, world] for world, start, stop in settled(straight)]
     found = gait_of(stretches, sole_corners(env.worlds.model), env.worlds.ground.floor_at)

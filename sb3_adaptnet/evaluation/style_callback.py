@@ -90,5 +90,5 @@ class _StyleWorlds:
         return cls(env, expected, tempo_error_of_base(policy, env, seed), seed)
 
     def measure(self, policy: Any) -> dict[str, Any]:
-        straight = record_straight(policy, self.env, reference_speed(self.env), self.seed)
+        straight = record_straight(policy, self.env, None, self.seed)
         return style_figures(self.env, straight, self.base_error, self.expected).as_dict()

@@ -75,6 +75,16 @@ def test_a_base_is_compared_with_the_one_that_is_named(tiny, capsys):
     assert found["base_tempo_error_m"] == found["tempo_error_m"] and found["visible"] is False
 
 
+def test_another_speed_is_asked_for_straight_ahead_alone(tiny, capsys):
+    words, found = ["eval", str(tiny[1]), "--seconds", "1", "--threads", "1", "--json"], []
+    for more in ([], ["--speed", "0.4"]):
+        assert main([*words, *more]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    usual, slow = found
+    assert slow["asked_speed_m_s"] == 0.4 != usual["asked_speed_m_s"]
+    assert slow["goal_reward"] == usual["goal_reward"] and slow["clip_cadence_hz"] == usual["clip_cadence_hz"]
+
+
 def test_a_picture_of_an_adaptation_and_its_base(tiny):
     pair = tiny[1].with_name("pair.png")
     assert main(["eval", str(tiny[1]), "--seconds", "2", "--threads", "1", "--before-after", str(pair)]) == 0
@@ -95,7 +105,7 @@ def test_a_picture_of_an_adaptation_and_its_base(tiny):
         (["BASE", "--seconds", "0.01"], "one step of 20 worlds"),
         (["BASE", "--clip", "Stoop", "--motion", "Limp"], "--clip Stoop and --motion Limp both name a reference"),
         (["BASE", "--clip", "Stupor"], "Stupor"),
-        (["BASE", "--clip", "Stoop", "--write-card"], "leave out --alpha, --styles, --push-scale and --clip"),
+        (["BASE", "--clip", "Stoop", "--write-card"], "leave out --alpha, --styles, --push-scale, --clip and --speed"),
     ],
 )
 def test_bad_input_is_one_sentence(tiny, capsys, words, complaint):
@@ -104,7 +114,9 @@ def test_bad_input_is_one_sentence(tiny, capsys, words, complaint):
     assert complaint in printed.err and printed.err.count("\n") == 1 and not printed.out
 
 
-@pytest.mark.parametrize("words", [["--seconds", "-1"], ["--seconds", "soon"], ["--styles", "a=much"]])
+@pytest.mark.parametrize(
+    "words", [["--seconds", "-1"], ["--seconds", "soon"], ["--speed", "0"], ["--speed", "inf"], ["--styles", "a=much"]]
+)
 def test_unreadable_numbers_are_refused(tiny, words):
     with pytest.raises(SystemExit, match="2"):
         main(["eval", str(tiny[0]), *words])

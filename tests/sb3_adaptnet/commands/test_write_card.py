@@ -41,7 +41,9 @@ def test_a_second_evaluation_replaces_the_first_and_says_so(tiny, capsys):
     assert read_weights(tiny)[1]["evaluation"]["seed"] == 2
 
 
-@pytest.mark.parametrize("words", [["--alpha", "0.5"], ["--styles", "other"], ["--push-scale", "0.5"]])
+@pytest.mark.parametrize(
+    "words", [["--alpha", "0.5"], ["--styles", "other"], ["--push-scale", "0.5"], ["--speed", "1"]]
+)
 def test_the_card_is_about_the_file_as_it_is(tiny, capsys, words):
     adapted = save_tiny_adaptation(tiny, "one")
     content = adapted.read_bytes()

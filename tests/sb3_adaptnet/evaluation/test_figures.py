@@ -12,7 +12,8 @@ from adapt_envs.motion.clip import FPS, MotionError, transformed
 from adapt_envs.motion.library import load_clip
 from adapt_envs.motion.quality import check
 from sb3_adaptnet import load_policy
-from sb3_adaptnet.evaluation.figures import evaluate, figures_of, reference_speed
+from sb3_adaptnet.evaluation.alpha import record_base
+from sb3_adaptnet.evaluation.figures import evaluate, figures_of
 from sb3_adaptnet.evaluation.imitation_error import (
     Reference,
     frame_errors,
@@ -20,7 +21,7 @@ from sb3_adaptnet.evaluation.imitation_error import (
     local_positions,
     matches,
 )
-from sb3_adaptnet.evaluation.recording import _Targets, open_worlds, record, record_straight
+from sb3_adaptnet.evaluation.recording import _Targets, open_worlds, record, record_straight, reference_speed
 from sb3_adaptnet.evaluation.rollout_clips import clip_of, longest, typical_clip
 from sb3_adaptnet.evaluation.smoothness import clip_jerk, jerk_ratio, mean_jerk, slips
 
@@ -195,6 +196,16 @@ def test_the_same_seed_gives_the_same_figures_and_another_does_not(four, tmp_pat
     assert one.seconds == 8.0 and one.seed == 5 and 0 < one.goal_reward <= 1
     with pytest.raises(ValueError, match="one step of 4 worlds"):
         evaluate(policy, four, 0.01)
+
+
+def test_another_speed_is_asked_for_straight_ahead_alone(four, tmp_path):
+    policy = load_policy(save_tiny_base(tmp_path), four)
+    usual, slow = evaluate(policy, four, 1.0), evaluate(policy, four, 1.0, speed=0.4)
+    assert (usual.free.asked_speed, usual.straight.asked_speed) == (None, reference_speed(four))
+    assert slow.straight.asked_speed == slow.figures.asked_speed_m_s == 0.4
+    assert (slow.free.qpos == usual.free.qpos).all() and (slow.straight.qpos != usual.straight.qpos).any()
+    base = record_base(policy, four, 0, base=policy, speed=0.4)
+    assert (base.qpos == slow.straight.qpos).all()
 
 
 def test_falls_per_minute_count_every_end(four):
