@@ -1,6 +1,7 @@
 """`adaptnet adapt`: a motion file becomes a style controller."""
 
 import argparse
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +12,16 @@ from adapt_envs.motion.library import load_clip
 from adapt_envs.progress import Progress
 from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
-from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
+from sb3_adaptnet.commands.numbers import positive, seconds_of
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_worlds_for
-from sb3_adaptnet.commands.train import INTERRUPTED, positive, refuse_given
+from sb3_adaptnet.commands.train import INTERRUPTED, refuse_given
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import Figures, evaluate
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.policies.loading import load_policy
 from sb3_adaptnet.runs.experiment import experiment
+from sb3_adaptnet.runs.lock import held
 from sb3_adaptnet.runs.run_folder import MOTION, RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
@@ -67,12 +69,16 @@ def run(options: argparse.Namespace) -> int:
         refuse_given(options, FROM_SCRATCH_ONLY)
         folder = resume(options.resume, options.samples, options.device, options.threads, **shown)
     else:
-        folder = start(*prepare(options), **shown)
+        settings, clip, path = prepare(options)
+        with held(path):
+            refuse_begun(path)  # again: another process may have begun since
+            clip.save(path / MOTION)
+            folder = start(settings, path, **shown)
     return report(folder, options.output, options.seconds, options.quiet)
 
 
-def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
-    """Settings and folder of a new run, whose clip is in the folder already.
+def prepare(options: argparse.Namespace) -> tuple[RunSettings, MotionClip, Path]:
+    """Settings of a new run, its clip and its folder; nothing is written.
 
     Raises:
         ValueError: if no motion is given, it cannot be used, or the folder holds a run.
@@ -86,10 +92,7 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
     entry = experiment(STYLE_ENV, base, algo=algo)
     clip = opened(options.motion, options.map, options.quiet)
     path = options.run_dir or RUNS / f"adapt-{options.output.name.removesuffix(WEIGHT_SUFFIX)}"
-    if RunFolder.has_begun(path):
-        raise ValueError(f"{path} holds a run already; continue it with --resume {path}, or choose --run-dir")
-    path.mkdir(parents=True, exist_ok=True)
-    clip.save(path / MOTION)
+    refuse_begun(path)
     settings = RunSettings(
         env_id=STYLE_ENV,
         samples=options.samples or entry.samples,
@@ -102,7 +105,17 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, Path]:
         algo=algo,
         world_model=options.world_model,
     )
-    return settings, path
+    return settings, clip, path
+
+
+def refuse_begun(path: Path) -> None:
+    """Refuse a folder whose run can be resumed.
+
+    Raises:
+        ValueError: saying how.
+    """
+    if RunFolder.has_begun(path):
+        raise ValueError(f"{path} holds a run already; continue it with --resume {path}, or choose --run-dir")
 
 
 def opened(motion: str, joint_map: str | None = None, quiet: bool = False) -> MotionClip:
@@ -123,8 +136,8 @@ def report(folder: RunFolder, output: Path, seconds: float, quiet: bool = False)
     file = export(folder.path, output)
     print(f"wrote {file} after {done:,} samples (run: {folder.path})")
     print(text_table({file.stem: measure(file, folder.settings, seconds, iter if quiet else ProgressBar("walking"))}))
-    base = "" if folder.settings.base == BASE else f" --base {folder.settings.base}"
-    print(f"look at it:     adaptnet play {file}{base}\nmeasure longer: adaptnet eval {file}{base} --write-card")
+    words = shlex.join([str(file), *(["--base", named] if (named := folder.settings.base) not in (None, BASE) else [])])
+    print(f"look at it:     adaptnet play {words}\nmeasure longer: adaptnet eval {words} --write-card")
     return 0
 
 

@@ -17,10 +17,10 @@ from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.library import STYLES, load_clip
 from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
-from sb3_adaptnet.commands.eval import seconds_of
 from sb3_adaptnet.commands.export import export
+from sb3_adaptnet.commands.numbers import positive, seconds_of
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
-from sb3_adaptnet.commands.train import INTERRUPTED, positive
+from sb3_adaptnet.commands.train import INTERRUPTED
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import Evaluation, Figures, evaluate
 from sb3_adaptnet.evaluation.pictures import side_by_side
@@ -39,8 +39,8 @@ FILM_SECONDS, SHORTEST_FILM = 7.0, 1.0
 """Length of the video [s], and what a policy must last to be in it [s]."""
 STYLE = "GooseStep"
 """What is learned if nothing else is asked for: no other style is so far from a walk."""
-PAGE = "index.html"
-"""File of the page, in the output's folder."""
+PAGE, TRAINING = "index.html", "demo-run"
+"""File of the page and folder of the training, in the output's folder; a later demo replaces both."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -102,18 +102,16 @@ def adapt(options: argparse.Namespace) -> RunFolder | None:
     """Adapt the base for the budget; None if a person interrupted it.
 
     Raises:
-        ValueError: if the output holds a folder `training` that is no training run, or the time was too short.
+        ValueError: if what stands where the training goes is no training run, or the time was too short.
     """
-    path = options.output / "training"
-    if (path / "run.json").is_file():
-        shutil.rmtree(path)
-    elif path.exists():
+    path = options.output / TRAINING
+    if path.exists() and not (path / "run.json").is_file():
         raise ValueError(f"{path} is in the way; choose another folder with -o")
     settings = settings_of(options)
     words = f"{settings.samples:,} samples or {options.minutes:g} minutes of {settings.algo}"
     print(f"1/3 adapting {Path(options.base).stem} to {options.style}: {words}")
     limit = TimeLimit(options.minutes)
-    folder = start(settings, path, callbacks=[limit])
+    folder = start(settings, path, callbacks=[limit], anew=True)
     if limit.over and not folder.curve.exists():
         raise ValueError(f"{options.minutes:g} minutes are too few, not one rollout was finished: give more --minutes")
     return folder if limit.over or folder.load()["samples"] >= settings.samples else None

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.model.ground import Ground
 from adapt_envs.motion.exporting import write_bvh, write_glb
 from adapt_envs.motion.exporting.extra import gltf_packages
+from sb3_adaptnet.commands.numbers import seconds_of, speed_of
 from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.before_after import check_world, write_before_after
@@ -56,26 +56,6 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("--world", type=int, default=0, metavar="N", help="world of --before-after (default 0)")
     parser.set_defaults(run=run)
-
-
-def seconds_of(text: str) -> float:
-    """Parse a positive number of seconds."""
-    return _positive(text, "seconds")
-
-
-def speed_of(text: str) -> float:
-    """Parse a positive number of metres per second."""
-    return _positive(text, "metres per second")
-
-
-def _positive(text: str, units: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not (value > 0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of {units}")
-    return value
 
 
 def run(options: argparse.Namespace) -> int:

@@ -78,12 +78,13 @@ def run_pull(options: argparse.Namespace) -> int:
 
 def _copy(file: Path, base: Path | None, folder: Path) -> Path:
     """Copy what lies beside a weight file in the cache, and its base unless that ships; return the weight file."""
-    if (folder / file.name).exists():
-        raise ValueError(f"{folder / file.name} is there already; choose another folder with -o")
-    folder.mkdir(parents=True, exist_ok=True)
     found = {path.name: path for pattern in WANTED for path in file.parent.glob(pattern)}
     if base is not None and (base.stem not in pretrained_names() or base != pretrained_path(base.stem)):
         found |= {path.name: path for path in (base, base.with_suffix(".json")) if path.is_file()}
+    taken = next((name for name in found if (folder / name).exists()), None)
+    if taken is not None:
+        raise ValueError(f"{folder / taken} is there already; choose another folder with -o")
+    folder.mkdir(parents=True, exist_ok=True)
     last = found.pop(file.name)
     for path in (*found.values(), last):
         with path.open("rb") as content:
@@ -94,7 +95,12 @@ def _copy(file: Path, base: Path | None, folder: Path) -> Path:
 def run_push(options: argparse.Namespace) -> int:
     """Upload a folder, or one that is made of weights for this."""
     address = parse_address(options.address)
+    if address.file is not None:
+        raise ValueError(f"{address}: a whole repository is pushed; leave out the file")
     if Path(options.source).is_dir():
+        given = {"--base-model": options.base_model, "--license": options.license, "--no-pictures": options.no_pictures}
+        if words := [name for name, value in given.items() if value]:
+            raise ValueError(f"{words[0]} is for weights; {options.source} is a folder that is ready as it is")
         print(upload(Path(options.source), address, options.private))
         return 0
     with tempfile.TemporaryDirectory() as parent:

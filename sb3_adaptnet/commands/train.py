@@ -6,6 +6,7 @@ from typing import Any
 
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.algorithm import algorithm_of
+from sb3_adaptnet.commands.numbers import positive
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
@@ -41,17 +42,6 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
-
-
-def positive(text: str) -> int:
-    """Parse a positive whole number, also written 2e6."""
-    try:
-        value = int(float(text))
-    except (ValueError, OverflowError):
-        value = 0
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
-    return value
 
 
 def run(options: argparse.Namespace) -> int:

@@ -62,8 +62,8 @@ def write_folder(
     card = read_weights(publication.file)[1]
     if not card.get("environment"):
         raise ValueError(f"{publication.file}: its card names no environment; save it with environment=...")
-    if folder.exists() and not (folder / publication.file.name).is_file():
-        raise ValueError(f"{folder}: is in the way, and holds no {publication.file.name}; choose another folder")
+    if folder.exists():
+        check_replaceable(folder, publication.file)
     part = folder.with_name(f".{folder.name}.part")
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir(parents=True)
@@ -74,6 +74,22 @@ def write_folder(
     finally:
         shutil.rmtree(part, ignore_errors=True)
     return folder
+
+
+def check_replaceable(folder: Path, weights: Path) -> None:
+    """Refuse a folder that is more than an earlier publication of these weights: it would be lost.
+
+    Raises:
+        ValueError: if anything is in it that `write_folder` does not write, or the weights themselves.
+    """
+    if not folder.is_dir() or not (folder / weights.name).is_file():
+        raise ValueError(f"{folder}: is in the way, and holds no {weights.name}; choose another folder")
+    if weights.resolve().parent == folder.resolve():
+        raise ValueError(f"{folder}: is where {weights.name} itself lies; choose another folder")
+    ours = {weights.name, f"{weights.stem}.json", MODEL_CARD, PICTURE, FILM}
+    others = [path.name for path in sorted(folder.iterdir()) if path.name not in ours and path.suffix != ".npz"]
+    if others:
+        raise ValueError(f"{folder}: also holds {', '.join(others)}, which would be lost; choose another folder")
 
 
 def _fill(

@@ -1,10 +1,14 @@
 """One lock for each folder that a process works in: a training, a sweep, or a run of one."""
 
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from filelock import FileLock, Timeout
+
+LOCK = ".lock"
+"""Name of the file that is locked."""
 
 
 def lock_of(folder: Path) -> FileLock:
@@ -12,7 +16,7 @@ def lock_of(folder: Path) -> FileLock:
 
     Within the process that holds it, it can be taken again: a sweep's run trains in the folder that it holds.
     """
-    return FileLock(folder.resolve() / ".lock", is_singleton=True)
+    return FileLock(folder.resolve() / LOCK, is_singleton=True)
 
 
 def is_locked(folder: Path) -> bool:
@@ -44,3 +48,10 @@ def held(folder: Path) -> Iterator[None]:
         yield
     finally:
         lock.release()
+
+
+def clear(folder: Path) -> None:
+    """Remove all that is in a folder that is held, but for its lock."""
+    for path in folder.iterdir():
+        if path.name != LOCK:
+            shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()

@@ -46,6 +46,19 @@ def test_time_too_short_for_one_rollout_is_one_sentence(tmp_path, capsys):
     assert "0 minutes are too few" in capsys.readouterr().err and not (output / "index.html").exists()
 
 
+def test_an_earlier_training_stays_until_the_next_one_can_begin(tmp_path, capsys):
+    base, output = save_tiny_base(tmp_path), tmp_path / "demo"
+    earlier, other = output / demo.TRAINING, output / "training"
+    for folder in (earlier, other):
+        folder.mkdir(parents=True)
+        (folder / "run.json").write_text("{}")
+    words = ["--n-envs", "8", "--seconds", "2", "--film", "0.2", "-o", str(output)]
+    assert main(["demo", "--base", "nobody", *words]) == 2
+    assert "nobody" in capsys.readouterr().err and (earlier / "run.json").read_text() == "{}"
+    assert main(["demo", "--base", str(base), "--minutes", "0", *words]) == 2
+    assert (earlier / "run.json").read_text() != "{}" and (other / "run.json").read_text() == "{}"
+
+
 def test_without_a_walk_the_motions_are_shown(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(demo, "pretrained_names", lambda: [])
     assert main(["demo", "--style", "Penguin", "--film", "0.1", "-o", str(tmp_path)]) == 0
@@ -66,10 +79,10 @@ def test_the_page_leads_to_the_playground(monkeypatch):
 
 def test_a_folder_that_is_no_run_is_left_alone(tmp_path, capsys):
     base = save_tiny_base(tmp_path)
-    (tmp_path / "training").mkdir()
-    (tmp_path / "training" / "thesis.txt").write_text("mine")
+    (tmp_path / demo.TRAINING).mkdir()
+    (tmp_path / demo.TRAINING / "thesis.txt").write_text("mine")
     assert main(["demo", "--base", str(base), "-o", str(tmp_path)]) == 2
-    assert "in the way" in capsys.readouterr().err and (tmp_path / "training" / "thesis.txt").exists()
+    assert "in the way" in capsys.readouterr().err and (tmp_path / demo.TRAINING / "thesis.txt").exists()
 
 
 def test_pictures_side_by_side(tmp_path):

@@ -26,6 +26,11 @@ def test_what_is_published_is_pulled_and_measured(cache, tmp_path, capsys):
     assert read_weights(tmp_path / "got" / "one.safetensors")[1] == read_weights(tmp_path / "one.safetensors")[1]
     assert main(["pull", "me/one", "-o", str(tmp_path / "got")]) == 2
     assert "is there already" in capsys.readouterr().err
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "README.md").write_text("mine")
+    assert main(["pull", "me/one", "-o", str(tmp_path / "mine")]) == 2
+    assert "README.md is there already" in capsys.readouterr().err
+    assert [file.read_text() for file in (tmp_path / "mine").iterdir()] == ["mine"]
     assert main(["eval", "hf://me/one", "--seconds", "1", "--threads", "1"]) == 0
     assert "goal reward" in capsys.readouterr().out
     assert main(["eval", "hf://me/one", "--seconds", "1", "--write-card"]) == 2
@@ -47,6 +52,8 @@ def test_a_push_without_a_network_says_so_and_leaves_nothing(cache, tmp_path, ca
         (["pull", "walk"], "'walk' is no address on the Hub"),
         (["pull", "hf://me/nothing"], "not whole in the local cache, and HF_HUB_OFFLINE is set"),
         (["push", "nothing", "hf://me/x"], "no pretrained weights named 'nothing'"),
+        (["push", "walk", "hf://me/x/walk.safetensors"], "a whole repository is pushed; leave out the file"),
+        (["push", ".", "hf://me/x", "--license", "mit"], "--license is for weights; . is a folder"),
         (["publish", "walk", "nothing", "--owner", "me", "-o", "OUT"], "no pretrained weights named 'nothing'"),
         (["publish", "walk", "--owner", "me/you", "-o", "OUT"], "'me/you/walk' is no address on the Hub"),
         (["publish", "walk-stoop", "--owner", "me", "--base-model", "walk", "-o", "OUT", "--no-pictures"], "'walk'"),

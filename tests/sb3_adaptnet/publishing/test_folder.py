@@ -89,6 +89,11 @@ def test_an_earlier_publication_is_replaced_and_anything_else_is_left_alone(adap
     (own / "thesis.txt").write_text("x")
     with pytest.raises(ValueError, match="is in the way, and holds no one.safetensors"):
         write_folder(Publication(adapted, "me/one"), own)
+    (own / "one.safetensors").write_bytes(adapted.read_bytes())
+    with pytest.raises(ValueError, match=r"also holds thesis.txt, which would be lost"):
+        write_folder(Publication(adapted, "me/one"), own)
+    with pytest.raises(ValueError, match=r"is where one.safetensors itself lies"):
+        write_folder(Publication(own / "one.safetensors", "me/one"), own)
     assert (own / "thesis.txt").read_text() == "x"
 
 

@@ -1,0 +1,35 @@
+"""Numbers on the command line: one sentence for each that cannot be."""
+
+import argparse
+import math
+
+
+def positive(text: str) -> int:
+    """Parse a positive whole number, also written 2e6."""
+    try:
+        value = int(float(text))
+    except (ValueError, OverflowError):
+        value = 0
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return value
+
+
+def seconds_of(text: str) -> float:
+    """Parse a positive number of seconds."""
+    return _positive(text, "seconds")
+
+
+def speed_of(text: str) -> float:
+    """Parse a positive number of metres per second."""
+    return _positive(text, "metres per second")
+
+
+def _positive(text: str, units: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not (value > 0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of {units}")
+    return value
