@@ -42,7 +42,7 @@ class Exported:
 
         Raises:
             CheckpointError: if one cannot be read, adapts another base, or is no AdaptNet adaptation.
-            ValueError: if two adaptations have one name.
+            ValueError: if two of them have one name, by which the graph tells their weights apart.
         """
         found, parts = read_base(base), dict[str, Adaptation]()
         for name in adaptations:
@@ -50,8 +50,9 @@ class Exported:
             check_base(read, found.name, found.hash)
             if read.card.get("method") != "adaptnet":
                 raise CheckpointError(f"{str(read.file)!r} was made by {read.card.get('method')!r}, not by 'adaptnet'")
-            if read.file.stem in parts:
-                raise ValueError(f"two adaptations are named {read.file.stem!r}; rename one of the files")
+            if read.file.stem in (found.name, *parts):
+                owner = "the base" if read.file.stem == found.name else "another adaptation"
+                raise ValueError(f"{str(read.file)!r}: {owner} is named {read.file.stem!r}, too; rename the file")
             parts[read.file.stem] = _adaptation(read.file, read.card, read.tensors, found.backbone)
         return cls(found, parts)
 

@@ -52,13 +52,20 @@ class Graph:
         return name
 
     def weight(self, name: str, values: torch.Tensor | NDArray[Any]) -> str:
-        """Add a weight of the present part; return the name of its float32 (or integer) values."""
+        """Add a weight of the present part; return the name of its float32 (or integer) values.
+
+        Raises:
+            ValueError: if the part has another weight of this name.
+        """
         array = values.detach().cpu().numpy() if isinstance(values, torch.Tensor) else values
         if not np.issubdtype(array.dtype, np.integer):
             array = array.astype(np.float32)
         full = f"{self.part}/{name}"
         large = self.half and array.dtype == np.float32 and array.size >= HALVED_FROM
-        self.weights[full] = np.ascontiguousarray(array.astype(np.float16) if large else array)
+        array = np.ascontiguousarray(array.astype(np.float16) if large else array)
+        if full in self.weights and not np.array_equal(self.weights[full], array):
+            raise ValueError(f"two different weights are named {full!r}")
+        self.weights[full] = array
         self.owners[full] = self.part
         return self.node("Cast", [full], to=int(onnx_package().TensorProto.FLOAT)) if large else full
 

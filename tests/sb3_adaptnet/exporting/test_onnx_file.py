@@ -12,11 +12,13 @@ import adapt_envs
 from adapt_envs.model import joint_names
 from sb3_adaptnet import load_policy
 from sb3_adaptnet.exporting import Exported, graph_of, save_onnx, split_weights
+from sb3_adaptnet.exporting.graph import Graph
 from sb3_adaptnet.modules import Architecture, Backbone
 from sb3_adaptnet.modules.adaptation import Adaptation, AdaptedActor
 from sb3_adaptnet.modules.observation import read_observation
 from sb3_adaptnet.weights import CheckpointError, pretrained_names
 from sb3_adaptnet.weights.checkpoint import Base
+from sb3_adaptnet.weights.shipped import pretrained_path
 
 pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 onnxruntime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
@@ -181,3 +183,18 @@ def test_only_adaptations_of_the_base_fit(tmp_path):
     with pytest.raises(ValueError, match="must be a finite number, not nan"):
         save_onnx(Exported.read("walk", ["walk-stoop"]), tmp_path / "x.onnx", {"walk-stoop": float("nan")})
     assert not list(tmp_path.iterdir())
+
+
+def test_no_two_parts_have_one_name(tmp_path):
+    for name in ("walk", "walk-stoop"):
+        copy = tmp_path / f"{name}.safetensors"
+        copy.write_bytes(pretrained_path("walk-stoop").read_bytes())
+    with pytest.raises(ValueError, match="the base is named 'walk', too; rename the file"):
+        Exported.read("walk", [tmp_path / "walk.safetensors"])
+    with pytest.raises(ValueError, match="another adaptation is named 'walk-stoop', too; rename the file"):
+        Exported.read("walk", ["walk-stoop", tmp_path / "walk-stoop.safetensors"])
+    graph = Graph(part="walk")
+    graph.weight("bias", np.zeros(3))
+    graph.weight("bias", np.zeros(3))
+    with pytest.raises(ValueError, match="two different weights are named 'walk/bias'"):
+        graph.weight("bias", np.ones(3))
