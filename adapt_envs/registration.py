@@ -1,8 +1,10 @@
 """From the table of environments to Gymnasium's registry."""
 
+from importlib import import_module
 from typing import Any
 
 import gymnasium as gym
+from gymnasium.envs.registration import EnvSpec
 
 from adapt_envs.suite import EPISODE_STEPS, SUITE, TaskSpec
 from adapt_envs.vector_env import AdaptVectorEnv
@@ -57,10 +59,28 @@ def make_vector(environment: str, num_envs: int, **kwargs: Any) -> AdaptVectorEn
     """`num_envs` worlds of the id `environment` on the native batch; keyword arguments as `AdaptVectorEnv`'s.
 
     Raises:
-        ValueError: for an id of another suite.
+        ValueError: for an id of another suite, or of a module that is not there.
+        gymnasium.error.Error: if no such id is registered.
     """
-    env = gym.make_vec(environment, num_envs=num_envs, vectorization_mode="vector_entry_point", **kwargs)
-    if not isinstance(env, AdaptVectorEnv):
+    if "task" not in spec_of(environment).kwargs:
         ids = ", ".join(env_id(name) for name in SUITE)
         raise ValueError(f"{environment!r} is not of this suite; its ids are {ids}")
+    env = gym.make_vec(environment, num_envs=num_envs, vectorization_mode="vector_entry_point", **kwargs)
+    assert isinstance(env, AdaptVectorEnv)
     return env
+
+
+def spec_of(environment: str) -> EnvSpec:
+    """Spec of an id; the module that it may name ("module:id") is imported first, as `gym.make` does.
+
+    Raises:
+        ValueError: if there is no such module.
+        gymnasium.error.Error: if no such id is registered.
+    """
+    module, _, name = environment.rpartition(":")
+    if module:
+        try:
+            import_module(module)
+        except ModuleNotFoundError as error:
+            raise ValueError(f"{environment}: {error}; is its folder on PYTHONPATH?") from error
+    return gym.spec(name)

@@ -25,6 +25,7 @@ from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 from sb3_adaptnet.objectives.weight_average import WeightAverage
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
+from sb3_adaptnet.policies.optimizer_groups import restore_moments
 from sb3_adaptnet.policies.space_contract import default_base
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.weight_file import CheckpointError
@@ -89,7 +90,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         check_schedule("learning_rate", learning_rate)
         self.model_refresh, self.model_fits, self.norm_limit = model_refresh, model_fits, NormLimit()
         self._fits_done, self._recorded = 0, list[Transitions]()
-        self._n_updates = 0
+        self._n_updates, self._begun = 0, False
         self._average: WeightAverage | None = None
         if init_setup_model:
             self._open_world_model(world_model)
@@ -217,18 +218,20 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             "critic": self.critic.state_dict(),
             "critic_optimizer": self.critic_optimizer.state_dict(),
             "fits_done": self._fits_done,
+            "begun": self._begun,
             "rng": json.dumps(self.rng.bit_generator.state),
         }
 
     def set_world_state(self, state: Mapping[str, Any]) -> None:
         """Restore what `world_state` gave."""
         self.world_model.load_state_dict(state["model"])
-        self.world_optimizer.load_state_dict(state["optimizer"])
+        restore_moments(self.world_optimizer, state["optimizer"])
         self.weight_average.load_state_dict(state["latest"])
         self.norm_limit.mean = state["gradient_norm"]
         self.critic.load_state_dict(state["critic"])
-        self.critic_optimizer.load_state_dict(state["critic_optimizer"])
+        restore_moments(self.critic_optimizer, state["critic_optimizer"])
         self._fits_done = state.get("fits_done", 0)  # older checkpoints have none
+        self._begun = state.get("begun", False)
         self.rng.bit_generator.state = json.loads(state["rng"])
 
     def _excluded_save_params(self) -> list[str]:

@@ -139,8 +139,8 @@ class SVG(ModelBasedAlgorithm):
         env = self._worlds_of_env()
         self.motion = TrackedMotion.of(self.world_model.character, self.device, env.references(self.guiding.gaits))
         callbacks.on_training_start(locals(), globals())
-        if self._n_updates == 0:
-            error = self._begin(env, self.motion, self.regression_updates, progress_bar)
+        if not (self._begun or self._n_updates):
+            error, self._begun = self._begin(env, self.motion, self.regression_updates, progress_bar), True
             self.logger.record("svg/first_guess_error", error)
         self._critic_training = CriticTraining(
             self.critic, self.critic_optimizer, self.world_model, self.motion, self.cost_to_go, self.rng, self.logger

@@ -11,6 +11,7 @@ import torch
 from tqdm import tqdm
 
 from adapt_envs import AdaptVectorEnv
+from sb3_adaptnet.commands.numbers import positive
 from sb3_adaptnet.evaluation.recording import WORLDS, open_worlds
 from sb3_adaptnet.policies.adaptnet import TRAINED, AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_policy
@@ -60,7 +61,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--alpha", type=float, help="strength of the adaptation: 0 is the base, 1 the default")
     words = "adaptations of the same base to blend, as in walk-stoop,walk-penguin or walk-stoop=0.3,walk-penguin=0.7"
     parser.add_argument("--styles", type=styles_of, default={}, metavar="A,B", help=words)
-    parser.add_argument("--threads", type=int, help="threads of networks and physics; default: all cores")
+    parser.add_argument("--threads", type=positive, help="threads of networks and physics; default: all cores")
 
 
 def open_from_options(options: argparse.Namespace, num_worlds: int = WORLDS) -> LoadedPolicy:

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from adapt_envs.commands.output import check_output
+from sb3_adaptnet.commands.numbers import positive
 from sb3_adaptnet.commands.policy_options import ProgressBar
-from sb3_adaptnet.commands.train import positive
 from sb3_adaptnet.runs.error_plot import draw_errors
 from sb3_adaptnet.runs.world_fit import FitPlan, fit_world, record_transitions
 from sb3_adaptnet.weights.card import trained_in

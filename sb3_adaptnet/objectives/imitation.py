@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.modules.discriminator import Discriminator, hinge_loss, imitation_reward
 from sb3_adaptnet.modules.layers.precision import autocast
+from sb3_adaptnet.policies.optimizer_groups import restore_moments
 
 GRADIENT_PENALTY = 10.0
 """Coefficient of eq. 10's last term; the paper's Table 4."""
@@ -133,9 +134,16 @@ class ImitationObjective:
         return {"network": self.discriminator.state_dict(), "optimizer": self.optimizer.state_dict()}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Restore what `state_dict` gave."""
-        self.discriminator.load_state_dict(state["network"])
-        self.optimizer.load_state_dict(state["optimizer"])
+        """Restore what `state_dict` gave; the learning rate stays this one's.
+
+        Raises:
+            ValueError: if the network had other sizes.
+        """
+        try:
+            self.discriminator.load_state_dict(state["network"])
+        except RuntimeError as error:
+            raise ValueError("the discriminators that learned before had another network; leave its sizes") from error
+        restore_moments(self.optimizer, state["optimizer"])
 
     def _tensor(self, array: NDArray[np.float32]) -> torch.Tensor:
         return torch.from_numpy(np.ascontiguousarray(array, np.float32)).to(self.device)

@@ -84,20 +84,22 @@ class AdaptNetPolicy(PolicyFromBase):
         Raises:
             ValueError: for an unknown choice, if there would be nothing to train, or if the observations tell another
                 number of companions apart.
-            CheckpointError: if base, start or a companion cannot be read, or adapts another base. A file that is
-                missing only fails when the policy first acts, as in `PolicyFromBase`.
+            CheckpointError: if base, start or a companion cannot be read, or adapts another base. A base's or start's
+                file that is missing only fails when the policy first acts, as in `PolicyFromBase`.
         """
         if not injector and adaptors is None:
             raise ValueError("injector=False and adaptors=None leave nothing to train; switch one of them on")
         self._shape = AdaptationShape(injection, own_encoder, adaptors, rank, injector)
-        self._penalties, self._noise = Penalties(beta, kappa, companion_kl), float(noise)
+        self._penalties, self._noise, self._companions = Penalties(beta, kappa, companion_kl), float(noise), companions
         self.merged = False
         super().__init__(*args, **settings)
         self.alpha = alpha
         self.keeps_statistics = start is not None
         if start is not None:
             self._go_on_from(start)
-        self._check_companions(len(companions))
+        known, given = companions_in(self.observation_space), len(companions)
+        if known != given:
+            raise ValueError(f"there are {given} companions, but observations tell {known} apart: see JoinedWorlds")
         if companions:
             self.actor.companions = Companions([self._frozen(read_adaptation(name)) for name in companions])
 
@@ -209,16 +211,11 @@ class AdaptNetPolicy(PolicyFromBase):
         if self.merged:
             raise ValueError(f"cannot {wish}: this policy's adaptors are merged into its layers")
 
-    def _check_companions(self, count: int) -> None:
-        known = companions_in(self.observation_space)
-        if known != count:
-            raise ValueError(f"there are {count} companions, but observations tell {known} apart: see JoinedWorlds")
-
     # -- saving and loading ------------------------------------------------------------------------------------------
 
     def describe_actor(self) -> dict[str, Any]:
         """Base, and the shape of every adaptation."""
-        shapes = {name: adaptation.shape.to_dict() for name, adaptation in self.actor.parts().items()}
+        shapes = {name: part.shape.to_dict() for name, part in self.actor.parts().items()}
         return super().describe_actor() | {"adaptations": shapes, "merged": self.merged}
 
     def actor_from(self, description: Mapping[str, Any]) -> AdaptedActor:
@@ -227,10 +224,11 @@ class AdaptNetPolicy(PolicyFromBase):
         self.merged = description["merged"]
         adaptations = {}
         for name, values in description["adaptations"].items():
-            shape = AdaptationShape.from_dict(values)
-            adaptation = Adaptation(base.architecture, shape)
+            adaptation = Adaptation(base.architecture, AdaptationShape.from_dict(values))
             adaptations[name] = adaptation.requires_grad_(name == TRAINED and not self.merged)
-        return AdaptedActor(base, adaptations, self._penalties, self._noise)
+        actor = AdaptedActor(base, adaptations, self._penalties, self._noise)
+        actor.companions = self.actor.companions
+        return actor
 
     def runtime(self) -> dict[str, Any]:
         """Alpha and the blend's weights."""
@@ -239,6 +237,10 @@ class AdaptNetPolicy(PolicyFromBase):
     def set_runtime(self, values: Mapping[str, Any]) -> None:
         """Restore alpha and the blend's weights."""
         self.actor.alpha, self.actor.weights = values["alpha"], dict(values["weights"])
+
+    def _get_constructor_parameters(self) -> dict[str, Any]:
+        given = {"noise": self._noise, "companions": [str(name) for name in self._companions]}
+        return super()._get_constructor_parameters() | self._penalties._asdict() | given
 
     def export(self) -> tuple[str, nn.Module, dict[str, Any]]:
         """The trained adaptation, without its base."""

@@ -77,6 +77,11 @@ class PolicyFromBase(ObjectivePolicy):
         self._missing = CheckpointError(sentence)
         warnings.warn(f"{sentence}; the policy cannot act unless a saved state is loaded into it", stacklevel=5)
 
+    @property
+    def lacks_files(self) -> bool:
+        """Whether a file that it starts from was missing, and nothing was loaded since."""
+        return self._missing is not None
+
     def check_files_found(self) -> None:
         """Refuse to begin without the files that it starts from.
 

@@ -4,7 +4,7 @@
 `lr` by: the step size of a group is `lr * lr_scale`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Any
 
 import torch
@@ -33,6 +33,23 @@ def make_groups(
         scale = 1.0 if step_size is None or learning_rate == 0 else step_size / learning_rate
         groups.append({"name": name, "params": [p for p in network.parameters() if p.requires_grad], "lr_scale": scale})
     return groups
+
+
+def restore_moments(optimizer: torch.optim.Optimizer, state: Mapping[str, Any], steered: Container[str] = ()) -> None:
+    """Restore what an optimiser has gathered; step sizes and other settings stay its own, as they may be new.
+
+    Args:
+        optimizer: of the same parameters.
+        state: its `state_dict` as it was.
+        steered: names of groups whose step size the training itself sets: it is restored, too.
+    """
+    settings = [{key: value for key, value in group.items() if key != "params"} for group in optimizer.param_groups]
+    optimizer.load_state_dict(dict(state))
+    for group, own in zip(optimizer.param_groups, settings, strict=True):
+        size, scale = group["lr"], group.get("lr_scale")
+        group.update(own)
+        if group.get("name") in steered:
+            group["lr_scale"] = scale if size == group["lr"] else size * scale / group["lr"]
 
 
 def group_named(optimizer: torch.optim.Optimizer, name: str) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
 from sb3_adaptnet.algorithms.svg import SVG
+from sb3_adaptnet.runs.yaml_values import whole
 from sb3_adaptnet.weights.shipped import zoo_config_path
 
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "svg": SVG}
@@ -151,8 +152,8 @@ def experiment_of(
         policy=policy,
         algorithm=algo,
         arguments={**arguments, "policy_kwargs": policy_kwargs},
-        n_envs=int(entry["n_envs"]),
-        samples=int(float(entry["n_timesteps"])),
+        n_envs=whole(f"{where}: n_envs", entry["n_envs"], least=1),
+        samples=whole(f"{where}: n_timesteps", entry["n_timesteps"], least=1),
         callbacks=tuple(_callbacks(where, entry.get("callback"))),
         env_kwargs=dict(entry.get("env_kwargs") or {}),
     )

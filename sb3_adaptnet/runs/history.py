@@ -36,12 +36,13 @@ def read_rows(path: Path, up_to: float = float("inf")) -> list[Row]:
         return []
     rows = []
     with path.open(newline="", encoding="utf-8") as stream:
-        for texts in csv.DictReader(stream):
-            try:
-                row = {name: float(text) for name, text in texts.items() if text}
-            except (TypeError, ValueError):
-                continue
-            if row.get("samples", float("inf")) <= up_to and "samples" in row:
-                row["samples"] = int(row["samples"])
-                rows.append(row)
+        whole = [line for line in stream if line.endswith("\n")]
+    for texts in csv.DictReader(whole):
+        try:
+            row = {name: float(text) for name, text in texts.items() if text}
+        except (TypeError, ValueError):
+            continue
+        if row.get("samples", float("inf")) <= up_to and "samples" in row:
+            row["samples"] = int(row["samples"])
+            rows.append(row)
     return rows

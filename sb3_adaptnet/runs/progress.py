@@ -94,6 +94,8 @@ class RunProgress(BaseCallback):
         self._lined = -self.line_seconds
         # Later rows were lost with the process.
         self.rows = read_rows(self.folder.progress, self.num_timesteps or self.model.num_timesteps)
+        # What was measured before and no longer is keeps its column.
+        self.columns = tuple(dict.fromkeys([*self.columns, *(name for row in self.rows for name in row)]))
         write_rows(self.folder.progress, self.columns, self.rows)
         total = self.folder.settings.samples
         show_bar = sys.stderr.isatty() and not self.quiet

@@ -146,7 +146,9 @@ class RunFolder:
         if not self.checkpoint.is_file():
             raise ValueError(f"{self.path} has no checkpoint yet")
         try:
-            return torch.load(self.checkpoint, map_location="cpu", weights_only=True)
+            state = torch.load(self.checkpoint, map_location="cpu", weights_only=True)
+            int(state["samples"])
+            return state
         except Exception as error:  # torch raises many kinds for a cut or foreign file
             raise ValueError(f"{self.checkpoint} is not a checkpoint of this program, or is cut short") from error
 

@@ -13,6 +13,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.objectives.weight_average import WeightAveraging
+from sb3_adaptnet.policies.from_base import PolicyFromBase
+from sb3_adaptnet.policies.optimizer_groups import ACTOR, restore_moments
 from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder
 
@@ -56,6 +58,7 @@ class RunSaver(BaseCallback):
         self.others = others
         self.seconds = float(resume["seconds"]) if resume else 0.0
         self._stop = False
+        self._begun_at: int | None = None  # samples when the present rollout began
 
     def _init_callback(self) -> None:
         self._clock = time.monotonic()
@@ -72,11 +75,17 @@ class RunSaver(BaseCallback):
         return not self._stop
 
     def _on_rollout_start(self) -> None:
+        self._begun_at = self.model.num_timesteps
         if time.monotonic() - self._saved > 60.0 * self.minutes:
             self.save()
 
+    def _on_rollout_end(self) -> None:
+        self._begun_at = None
+
     def save(self) -> None:
-        """Write a checkpoint now."""
+        """Write a checkpoint now. A rollout that was cut short does not count: nothing was learned from it."""
+        if self._begun_at is not None:
+            self.model.num_timesteps = self._begun_at
         now = time.monotonic()
         self.seconds, self._clock = self.seconds + now - self._clock, now
         self.folder.save(snapshot(self.model, self.discriminators, self.seconds, self.others))
@@ -116,16 +125,36 @@ def _snapshot(
     }
 
 
+def _networks(policy: Any) -> dict[str, Any]:
+    """What the networks of a policy are made of, whatever its base is called."""
+    description = policy.describe()
+    return {name: value for name, value in description["actor"].items() if name != "base"} | {
+        "critic": description["critic"]
+    }
+
+
 def restore(
     model: BaseAlgorithm,
     discriminators: DiscriminatorRewardCallback | None,
     state: dict[str, Any],
     others: Sequence[Stateful] = (),
 ) -> None:
-    """Put `snapshot`'s state back; the model's callbacks must be initialised."""
+    """Put `snapshot`'s state back; the model's callbacks must be initialised.
+
+    Settings stay the model's: step sizes that the training does not set itself may have changed since.
+
+    Raises:
+        ValueError: if the model's networks are of another shape.
+    """
     learner: Any = model
+    own = _networks(model.policy)
+    guessed = isinstance(model.policy, PolicyFromBase) and model.policy.lacks_files
     model.policy.load_state_dict(state["policy"])
-    model.policy.optimizer.load_state_dict(state["optimizer"])
+    if (found := _networks(model.policy)) != own and not guessed:
+        name = next(name for name in found if found[name] != own.get(name))
+        raise ValueError(f"config.yml changes the policy's networks, which a run keeps: {name} was {found[name]}")
+    steered = (ACTOR,) if discriminators is not None and discriminators.kl_range is not None else ()
+    restore_moments(model.policy.optimizer, state["optimizer"], steered)
     model.num_timesteps = int(state["samples"])
     learner._n_updates = int(state["updates"])
     if discriminators is not None:

@@ -17,7 +17,7 @@ from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.experiment import ALGORITHMS, Experiment, experiment
-from sb3_adaptnet.runs.lock import held
+from sb3_adaptnet.runs.lock import clear, held
 from sb3_adaptnet.runs.progress import METRICS, Measuring, RunProgress
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings, next_path
 from sb3_adaptnet.runs.saver import RunSaver, Stateful
@@ -25,6 +25,9 @@ from sb3_adaptnet.runs.tracking_metrics import TRACKING_METRICS, TrackingMetrics
 from sb3_adaptnet.runs.worlds import make_worlds
 from sb3_adaptnet.stacking.joined_worlds import JoinedWorlds
 from sb3_adaptnet.vec_env import AdaptVecEnv
+
+DEVICES = ("cpu", "cuda")
+"""Where a run may learn; "cuda:1" is the second card."""
 
 
 @dataclass
@@ -58,13 +61,19 @@ def build_learner(
     Raises:
         ValueError: if anything asked for does not exist or does not fit.
     """
+    check_device(settings.device)
     if settings.threads is not None:
         torch.set_num_threads(settings.threads)
     entry = entry or experiment(settings.env_id, settings.base, settings.conf_file, settings.algo, settings.start)
     env = make_worlds(settings, entry, **overrides)
     given = {} if settings.world_model is None else {"world_model": settings.world_model}
     algorithm: Any = ALGORITHMS[entry.algorithm]
-    model = algorithm(entry.policy, env, seed=settings.seed, device=settings.device, **{**entry.arguments, **given})
+    arguments = {**entry.arguments, **given}
+    try:
+        model = algorithm(entry.policy, env, seed=settings.seed, device=settings.device, **arguments)
+    except (TypeError, AssertionError) as error:  # Stable-Baselines3's own checks, and values of another type
+        env.close()
+        raise ValueError(f"{entry.env_id}: its settings cannot be used: {error}") from error
     env.seed(settings.seed + samples_done)
     callbacks = entry.make_callbacks()
     discriminators = next((c for c in callbacks if isinstance(c, DiscriminatorRewardCallback)), None)
@@ -74,16 +83,39 @@ def build_learner(
     return Learner(env, model, discriminators, others)
 
 
+def check_device(name: str) -> None:
+    """Refuse a device that is not there: Stable-Baselines3 would take the processor instead, and say nothing.
+
+    Raises:
+        ValueError: naming it.
+    """
+    if name.partition(":")[0] not in DEVICES:
+        raise ValueError(f"there is no device {name!r}; the devices are {' and '.join(DEVICES)}")
+    if name != "cpu" and not torch.cuda.is_available():
+        raise ValueError(f"device {name!r} needs a graphics card that torch can use, and finds none")
+
+
 def start(
-    settings: RunSettings, run_dir: str | Path | None = None, callbacks: Sequence[BaseCallback] = (), **options: Any
-) -> RunFolder:
-    """Train from the beginning in a new folder, with further callbacks; options are `learn`'s."""
+    settings: RunSettings, run_dir: str | Path | None = None, callbacks: Sequence[BaseCallback] = (),
+    anew: bool = False, **options: Any,
+) -> RunFolder:  # fmt: skip
+    """Train from the beginning in a new folder.
+
+    Args:
+        settings: what was asked for.
+        run_dir: the folder; None for the next one under `runs/`.
+        callbacks: further callbacks.
+        anew: whether what is in the folder is removed, once nothing speaks against the training.
+        **options: `learn`'s.
+    """
     learner = build_learner(settings)
     learner.others.extend(callbacks)
     if isinstance(learner.model.policy, PolicyFromBase):
         learner.model.policy.check_files_found()
     path = Path(run_dir) if run_dir is not None else next_path(settings.env_id)
     with held(path):
+        if anew:
+            clear(path)
         return learn(learner, RunFolder.new(settings, path), **options)
 
 

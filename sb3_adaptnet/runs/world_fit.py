@@ -59,9 +59,12 @@ def record_transitions(plan: FitPlan, progress: Progress = iter) -> tuple[Transi
     """Transitions of the plan's policies, disturbed, at slow and fast speeds; and whose they are.
 
     Raises:
-        ValueError: if an environment or a policy does not exist or does not fit.
+        ValueError: if an environment or a policy does not exist or does not fit, or there is a heightmap, which world
+            models do not know.
     """
     env = make_vector(plan.env_id, plan.worlds, max_episode_steps=EPISODE_STEPS, stagger=True, num_threads=plan.threads)
+    if env.worlds.spec.heightmap:
+        raise ValueError(f"{plan.env_id} has uneven ground, which world models do not know; name another environment")
     low, high = env.worlds.goals.speed_range
     env.worlds.goals.speed_range = SLOWER * low, FASTER * high
     data = collect(env, shared_worlds(plan.policies, env), plan.steps, np.random.default_rng(plan.seed), progress)

@@ -1,11 +1,10 @@
 """The worlds that a run trains in."""
 
-from importlib import import_module
 from typing import Any
 
-import gymnasium as gym
 from gymnasium.envs.registration import EnvSpec
 
+from adapt_envs.registration import spec_of
 from sb3_adaptnet.runs.experiment import Experiment
 from sb3_adaptnet.runs.run_folder import RunSettings
 from sb3_adaptnet.stacking.joined_worlds import JoinedWorlds, worlds_with_companions
@@ -22,22 +21,6 @@ def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> A
     kwargs.update(overrides)
     companions = entry.arguments["policy_kwargs"].get("companions")
     return worlds_with_companions(companions, **kwargs) if companions else AdaptVecEnv(**kwargs)
-
-
-def spec_of(env_id: str) -> EnvSpec:
-    """Spec of an id; the module that it may name ("module:id") is imported first, as `gym.make` does.
-
-    Raises:
-        ValueError: if there is no such module.
-        gymnasium.error.Error: if no such id is registered.
-    """
-    module, _, name = env_id.rpartition(":")
-    if module:
-        try:
-            import_module(module)
-        except ModuleNotFoundError as error:
-            raise ValueError(f"{env_id}: {error}; is its folder on PYTHONPATH?") from error
-    return gym.spec(name)
 
 
 def training_ground(spec: EnvSpec, seed: int) -> dict[str, int]:

@@ -1,19 +1,20 @@
 """What an adaptation changes of its base's world: fields of a row, so that two changes can be made at once."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-import gymnasium as gym
-
 from adapt_envs import TaskSpec
+from adapt_envs.registration import spec_of
 from adapt_envs.suite import configured
 from sb3_adaptnet.policies.loading import base_of_adaptation
 from sb3_adaptnet.weights.card import trained_in
 from sb3_adaptnet.weights.checkpoint import ADAPTATION, read_kind, resolve
 from sb3_adaptnet.weights.shipped import pretrained_names
+from sb3_adaptnet.weights.weight_file import read_weights
 
 KINDS = {
     "motion": "style", "morphology": "body", "locked": "body", "friction": "ground", "terrain": "ground",
@@ -34,6 +35,7 @@ class Part:
         name: its file's stem.
         file: the weight file.
         base: the file of its base.
+        base_hash: hash of the base's weights, wherever the file lies.
         row: the base's world.
         changes: fields of the row that are otherwise in the adaptation's world, and their values.
         kind: style, body, ground or push.
@@ -42,6 +44,7 @@ class Part:
     name: str
     file: Path
     base: Path
+    base_hash: str
     row: TaskSpec
     changes: dict[str, Any]
     kind: str
@@ -90,11 +93,14 @@ def part_of(name_or_file: str | Path) -> Part:
     kinds = [kind for name, kind in KINDS.items() if name in changes]
     if not kinds:
         raise ValueError(f"{str(name_or_file)!r} was trained in its base's own world; there is nothing to stack")
-    return Part(file.stem, file, base, row, changes, kinds[0])
+    return Part(file.stem, file, base, read_weights(base)[1]["hash"], row, changes, kinds[0])
 
 
 def _row(environment: str, motion: str | None) -> TaskSpec:
-    return configured(gym.spec(environment).kwargs["task"], {} if motion is None else {"motion": motion})
+    spec = spec_of(environment)
+    if "task" not in spec.kwargs:
+        raise ValueError(f"{environment} is not of this suite: what its adaptations change is not known")
+    return configured(spec.kwargs["task"], {} if motion is None else {"motion": motion})
 
 
 def pairs_of(names: Sequence[str] = ()) -> list[Pair]:
@@ -104,15 +110,18 @@ def pairs_of(names: Sequence[str] = ()) -> list[Pair]:
         names: names or files of adaptations; none takes all that ship.
 
     Raises:
-        CheckpointError, ValueError: as `part_of`, or if there is no pair.
+        CheckpointError, ValueError: as `part_of`, or if two have one name, or if there is no pair.
     """
     chosen = names or [name for name in pretrained_names() if read_kind(name) == ADAPTATION]
     parts = [part_of(name) for name in chosen]
+    twice = [name for name, count in Counter(part.name for part in parts).items() if count > 1]
+    if twice:
+        raise ValueError(f"two of these adaptations are named {twice[0]!r}; leave one out, or rename its file")
     pairs = [
         Pair(first, second)
         for kinds in STACKED
         for first, second in product(parts, parts)
-        if (first.kind, second.kind) == kinds and first.base == second.base
+        if (first.kind, second.kind) == kinds and first.base_hash == second.base_hash
     ]
     if not pairs:
         kinds = ", ".join(" + ".join(kinds) for kinds in STACKED)

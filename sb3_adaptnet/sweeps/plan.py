@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium as gym
 
 from adapt_envs.motion.library import load_clip, ships
+from adapt_envs.registration import spec_of
 from sb3_adaptnet.runs.experiment import (
     ALGORITHMS,
     Experiment,
@@ -16,11 +17,10 @@ from sb3_adaptnet.runs.experiment import (
     read_entry,
 )
 from sb3_adaptnet.runs.run_folder import RunSettings
-from sb3_adaptnet.runs.worlds import spec_of
+from sb3_adaptnet.runs.yaml_values import whole
 from sb3_adaptnet.sweeps.changes import merged
 from sb3_adaptnet.sweeps.sweep_file import Sweep, Task
 from sb3_adaptnet.sweeps.unit import Unit, UnitFolder
-from sb3_adaptnet.sweeps.yaml_values import whole
 from sb3_adaptnet.weights.checkpoint import resolve
 from sb3_adaptnet.world_model.world_file import beside_base
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sb3_adaptnet.runs.history import Row, read_rows
-from sb3_adaptnet.sweeps.unit import UnitFolder
+from sb3_adaptnet.sweeps.unit import Unit, UnitFolder
 
 LAST_ROLLOUTS = 10
 """Rollouts that the figures of training are means of."""
@@ -34,7 +34,7 @@ class RunStatus:
         tempo_error_m: its imitation error at about the clip's tempo [m].
         visible: whether the style is visible with every seed.
         seconds: simulated seconds with each seed.
-        problem: why the last process failed; empty otherwise.
+        problem: why the last process failed, or that it started from weights that are others by now; empty otherwise.
     """
 
     run: str
@@ -103,8 +103,15 @@ def status_of(place: UnitFolder) -> RunStatus:
         tempo_error_m=mean(figures, "tempo_error_m"),
         visible=None if any(one["visible"] is None for one in figures) or not figures else _all_visible(figures),
         seconds=mean(figures, "seconds"),
-        problem=place.failure.read_text(encoding="utf-8").strip() if place.failure.is_file() else "",
+        problem=_problem(place, unit),
     )
+
+
+def _problem(place: UnitFolder, unit: Unit) -> str:
+    if place.failure.is_file():
+        return place.failure.read_text(encoding="utf-8").strip()
+    stale = f"{unit.after} has other weights than it started from; to do it again, remove its folder"
+    return stale if place.is_stale() else ""
 
 
 def _all_visible(figures: Sequence[Mapping[str, Any]]) -> bool:

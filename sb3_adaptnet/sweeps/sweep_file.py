@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from sb3_adaptnet.runs.experiment import LOADER
-from sb3_adaptnet.sweeps.yaml_values import label, mapping, number, one_of, seeds, whole
+from sb3_adaptnet.runs.yaml_values import label, mapping, number, one_of, seeds, whole
 from sb3_adaptnet.weights.shipped import sweep_path
 from sb3_adaptnet.weights.storage import BITS
 

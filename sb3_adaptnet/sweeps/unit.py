@@ -13,6 +13,7 @@ from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.sweeps.sweep_file import Measurement
 from sb3_adaptnet.weights.atomic_file import write_atomically
 from sb3_adaptnet.weights.storage import BITS
+from sb3_adaptnet.weights.weight_file import read_weights
 
 WAITING, RUNNING, STOPPED, FAILED, DONE = "waiting", "running", "stopped", "failed", "done"
 """States of a run: not begun; a process is at it; begun and left; left by an error; trained, exported and measured."""
@@ -112,25 +113,50 @@ class UnitFolder:
         """
         start = unit.settings.start
         if unit.after:
-            before = UnitFolder(self.path.parent / unit.after)
-            if not before.is_done():
+            if not UnitFolder(self.path.parent / unit.after).is_done():
                 raise ValueError(f"it starts from {unit.after}, which is not done")
-            start = str(before.path / before.read_result()["weights"])
+            start = str(self._weights_before(unit))
         text = yaml.safe_dump({unit.settings.env_id: unit.entry}, sort_keys=False)
         write_atomically(self.config, lambda stream: stream.write(text.encode()))
         return replace(unit.settings, conf_file=str(self.config), start=start)
+
+    def _weights_before(self, unit: Unit) -> Path:
+        """The weights that a done run left, from which this one starts."""
+        before = UnitFolder(self.path.parent / unit.after)
+        return before.path / before.read_result()["weights"]
+
+    def is_stale(self) -> bool:
+        """Whether it is done, and the run that it started from has other weights by now."""
+        unit, result = self.read(), self.read_result()
+        if not unit.after or "start_hash" not in result:
+            return False
+        weights = self._weights_before(unit)
+        return weights.is_file() and read_weights(weights)[1]["hash"] != result["start_hash"]
 
     def write_result(self, unit: Unit, samples: int, weights: Path, figures: list[dict[str, Any]]) -> None:
         """Say that the run is done, with how many samples and which figures, one for each seed of the measurement."""
         measured = None if unit.measurement is None else asdict(unit.measurement)
         result = {"samples": samples, "weights": weights.name, "bits": unit.bits, "measurement": measured,
                   "figures": figures}  # fmt: skip
+        if unit.after:
+            result["start_hash"] = read_weights(self._weights_before(unit))[1]["hash"]
         text = json.dumps(result, indent=2) + "\n"
         write_atomically(self.result, lambda stream: stream.write(text.encode()))
+        self.failure.unlink(missing_ok=True)
 
     def read_result(self) -> dict[str, Any]:
-        """What `write_result` wrote; empty while there is nothing."""
-        return json.loads(self.result.read_text(encoding="utf-8")) if self.result.is_file() else {}
+        """What `write_result` wrote; empty while there is nothing.
+
+        Raises:
+            ValueError: if the file is damaged.
+        """
+        try:
+            result = json.loads(self.result.read_text(encoding="utf-8")) if self.result.is_file() else {}
+        except ValueError as error:
+            raise ValueError(f"{self.result} is damaged: {error}") from error
+        if not isinstance(result, dict):
+            raise ValueError(f"{self.result} is damaged: it holds no figures of a run")
+        return result
 
     def is_done(self) -> bool:
         """Whether everything that is asked for is there."""

@@ -21,6 +21,7 @@ from adapt_envs.features.heightmap import heightmaps
 from adapt_envs.model.humanoid import PHYSICS_STEPS
 from adapt_envs.registration import env_id, make_vector
 from adapt_envs.vector_env import AdaptVectorEnv
+from sb3_adaptnet.commands.numbers import positive
 
 _NOISE = 0.05
 """Standard deviation of the noise on actions, which are in [-1, 1]."""
@@ -40,8 +41,8 @@ def add_parser(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]"
     """Add the subcommand `env`."""
     parser = subparsers.add_parser("env", help="steps per second of the worlds, and ratios measured in the same run")
     parser.add_argument("--id", default=env_id("Walk"), help="environment to measure (default: %(default)s)")
-    parser.add_argument("--worlds", type=int, default=512)
-    parser.add_argument("--threads", type=int, default=usable_cores())
+    parser.add_argument("--worlds", type=positive, default=512)
+    parser.add_argument("--threads", type=positive, default=usable_cores())
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.set_defaults(run=run)

@@ -17,6 +17,7 @@ from typing import Any
 import torch
 from stable_baselines3 import PPO
 
+from sb3_adaptnet.commands.numbers import positive
 from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.runs.experiment import Experiment, experiment
@@ -35,9 +36,11 @@ def add_parser(subparsers: Any) -> None:
         "train", help="samples per second of whole training iterations, against plain float32"
     )
     parser.add_argument("--id", default="AdaptNet/Humanoid-Walk-v0", help="environment (default: %(default)s)")
-    parser.add_argument("--worlds", type=int, help="number of worlds; default: the entry's")
-    parser.add_argument("--threads", type=int, help="threads of physics and networks; default: all cores")
-    parser.add_argument("--iterations", type=int, default=3, help="measured iterations of each (default: %(default)s)")
+    parser.add_argument("--worlds", type=positive, help="number of worlds; default: the entry's")
+    parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
+    parser.add_argument(
+        "--iterations", type=positive, default=3, help="measured iterations of each (default: %(default)s)"
+    )
     parser.add_argument("--conf-file", help="YAML file with the entry to measure")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.set_defaults(run=run)

@@ -22,7 +22,7 @@ def merge(actor: AdaptedActor) -> AdaptedActor:
         actor: the adapted network; not changed.
 
     Returns:
-        A network with the same outputs up to rounding.
+        A network with the same outputs and standard deviations up to rounding.
     """
     base = copy.deepcopy(actor.base)
     for layer, (weight, bias) in zip(cast(list[nn.Linear], base.layers), actor.hidden_layers(), strict=True):
@@ -35,4 +35,5 @@ def merge(actor: AdaptedActor) -> AdaptedActor:
         adaptations[name] = injector_only
     merged = AdaptedActor(base, adaptations, actor.penalties)
     merged.weights, merged.alpha = dict(actor.weights), actor.alpha
+    merged.log_noise, merged.companions = actor.log_noise, actor.companions
     return merged.to(base.mean.weight.device)

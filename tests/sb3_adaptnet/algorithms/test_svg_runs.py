@@ -8,7 +8,7 @@ import torch
 import yaml
 from policy_cases import SIZES
 
-from sb3_adaptnet import hyperparameters, load_policy
+from sb3_adaptnet import SVG, hyperparameters, load_policy
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder
@@ -59,8 +59,20 @@ def test_a_checkpoint_restores_policy_model_and_randomness(words, tmp_path):
     assert again["rng"] == state["world"]["rng"]
     assert all(torch.equal(again["model"][name], tensor) for name, tensor in state["world"]["model"].items())
     assert len(again["optimizer"]["state"]) == len(state["world"]["optimizer"]["state"]) > 0
-    del state["world"]["fits_done"]  # as checkpoints were before models began from nothing
+    del state["world"]["fits_done"], state["world"]["begun"]  # as checkpoints were before models began from nothing
     restore(learner.model, None, state)
+
+
+def test_what_begins_a_training_is_done_once(words, tmp_path, monkeypatch):
+    """Killed before the first update, a run has a checkpoint in which the first guess is made already."""
+    begun = []
+    monkeypatch.setattr(SVG, "_begin", lambda self, *rest: begun.append(self) or 0.0)
+    monkeypatch.setattr(SVG, "collect_rollout", lambda self, callback: callback.on_rollout_start())
+    main(words)
+    state = RunFolder.open(tmp_path / "run").load()
+    assert (state["updates"], state["world"]["begun"], len(begun)) == (0, True, 1)
+    main(["train", "--resume", str(tmp_path / "run"), "--quiet"])
+    assert len(begun) == 1
 
 
 def test_a_base_from_nothing_is_exported_with_its_world_model(tmp_path, capsys):

@@ -105,6 +105,8 @@ def test_a_picture_of_an_adaptation_and_its_base(tiny):
         (["BASE", "--seconds", "0.01"], "one step of 20 worlds"),
         (["BASE", "--clip", "Stoop", "--motion", "Limp"], "--clip Stoop and --motion Limp both name a reference"),
         (["BASE", "--clip", "Stupor"], "Stupor"),
+        (["BASE", "--env", "CartPole-v1"], "'CartPole-v1' is not of this suite"),
+        (["BASE", "--env", "nomodule:Foo-v0"], "nomodule:Foo-v0: No module named 'nomodule'"),
         (["BASE", "--clip", "Stoop", "--write-card"], "leave out --alpha, --styles, --push-scale, --clip and --speed"),
     ],
 )
@@ -115,7 +117,15 @@ def test_bad_input_is_one_sentence(tiny, capsys, words, complaint):
 
 
 @pytest.mark.parametrize(
-    "words", [["--seconds", "-1"], ["--seconds", "soon"], ["--speed", "0"], ["--speed", "inf"], ["--styles", "a=much"]]
+    "words",
+    [
+        ["--seconds", "-1"],
+        ["--seconds", "soon"],
+        ["--speed", "0"],
+        ["--speed", "inf"],
+        ["--threads", "0"],
+        ["--styles", "a=much"],
+    ],
 )
 def test_unreadable_numbers_are_refused(tiny, words):
     with pytest.raises(SystemExit, match="2"):

@@ -28,6 +28,9 @@ def test_a_model_is_fitted_and_measured(tmp_path, capsys, monkeypatch):
     assert main(["world-model", "eval", str(file), "--threads", "1", "-o", str(picture)]) == 0
     assert capsys.readouterr().out == f"{first}wrote {picture}\n"
     assert (cv2.imread(str(picture)).std(axis=2) > 20).any()  # there are coloured lines
+    hills = "AdaptNet/Humanoid-TerrainHills-v0"
+    assert main(["world-model", "eval", str(file), "--env", hills]) == 2
+    assert f"{hills} has uneven ground" in capsys.readouterr().err
     assert main(["world-model", "eval", "nothing.safetensors", "-o", str(tmp_path / "errors.txt")]) == 2
     assert "must be .png" in capsys.readouterr().err
 

@@ -1,5 +1,7 @@
 """AdaptNet at run time: alpha, blending, merging, what it refuses."""
 
+import math
+
 import numpy as np
 import pytest
 import torch
@@ -48,12 +50,19 @@ def test_blending_and_switching(two_styles, tiny_base):
         policy.add_adaptation(two_styles[1])
 
 
+def spread_of(policy):
+    """Standard deviations of its actions."""
+    with torch.no_grad():
+        return policy.get_distribution(policy.obs_to_tensor(observations())[0]).distribution.stddev.numpy()
+
+
 def test_merging_keeps_the_actions_and_then_fixes_alpha(two_styles, tiny_base):
     policy = load_policy(two_styles[0], ToyEnv(), base=tiny_base)
     policy.alpha = 0.8
-    wanted = act(policy)
+    policy.actor.log_noise = math.log(0.5)
+    wanted, spread = act(policy), spread_of(policy)
     policy.merge()
-    assert np.allclose(act(policy), wanted, atol=1e-5)
+    assert np.allclose(act(policy), wanted, atol=1e-5) and np.allclose(spread_of(policy), spread)
     for forbidden in (policy.merge, lambda: setattr(policy, "alpha", 0.1), lambda: policy.blend({"main": 1.0})):
         with pytest.raises(ValueError, match="merged"):
             forbidden()

@@ -98,6 +98,9 @@ def test_only_its_own_weights_learn_and_a_saved_model_goes_on(heightmap, tiny_ba
     actions = [m.predict(obs, deterministic=True)[0] for m in (model, again)]
     np.testing.assert_array_equal(*actions)
     again.learn(192, callback=DiscriminatorRewardCallback(discriminator=DISCRIMINATOR))
+    model.policy.save(tmp_path / "policy.pt")
+    alone = AdaptNetPolicy.load(tmp_path / "policy.pt", device="cpu")
+    np.testing.assert_array_equal(alone.predict(obs, deterministic=True)[0], actions[0])
 
 
 def test_worlds_without_a_companion_have_weights_of_their_own(tiny_base, two_styles):

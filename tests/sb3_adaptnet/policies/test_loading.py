@@ -75,7 +75,10 @@ def test_saved_pretraining_restores_its_sizes(tmp_path):
 
 
 def test_policy_alone_is_saved_and_loaded(tiny_base, tmp_path):
-    policy = adapt(AdaptNetPolicy, ToyEnv(), tiny_base, injection="z1").policy
+    policy = adapt(AdaptNetPolicy, ToyEnv(), tiny_base, injection="z1", noise=0.5, beta=3.0, companion_kl=2.0).policy
     disturb(policy.actor.adaptations)
     policy.save(tmp_path / "policy.pt")
-    assert np.array_equal(act(AdaptNetPolicy.load(tmp_path / "policy.pt", device="cpu")), act(policy))
+    loaded = AdaptNetPolicy.load(tmp_path / "policy.pt", device="cpu")
+    assert np.array_equal(act(loaded), act(policy))
+    assert loaded.actor.log_noise == policy.actor.log_noise < 0
+    assert loaded.actor.penalties == policy.actor.penalties == (3.0, 0.01, 2.0)

@@ -318,7 +318,7 @@ def test_a_resumed_run_refuses_changes_and_damage(tmp_path, capsys):
     assert main(["train", "--resume", str(folder.path), "--seed", "3"]) == 2
     assert main(["train", "Other-v0", "--resume", str(folder.path)]) == 2
     assert main(["train", TOY, "--conf-file", conf(tmp_path), "--run-dir", str(folder.path)]) == 2
-    with pytest.raises(RuntimeError, match="nonsense"):
+    with pytest.raises(ValueError, match="there is no device 'nonsense'; the devices are cpu and cuda"):
         resume(folder.path, device="nonsense", quiet=True)
     assert RunFolder.open(folder.path).settings.device == "cpu"  # what failed is not remembered
     folder.checkpoint.write_bytes(folder.checkpoint.read_bytes()[:500])

@@ -4,6 +4,8 @@ import pytest
 
 from adapt_envs import SUITE
 from sb3_adaptnet.stacking import pairs_of, part_of
+from sb3_adaptnet.weights.card import amend_card
+from sb3_adaptnet.weights.shipped import pretrained_path
 
 
 @pytest.mark.parametrize(
@@ -41,6 +43,23 @@ def test_all_that_ship_are_paired_by_base_and_kind():
     assert all(pair.first.base == pair.second.base for pair in pairs)
     names = [(pair.first.name, pair.second.name) for pair in pairs]
     assert len(set(names)) == len(names) and ("walk-stoop", "walk-icewalk") in names
+
+
+def test_a_base_is_known_by_its_weights(tmp_path):
+    for name in ("walk", "walk-stoop"):
+        (tmp_path / f"{name}.safetensors").write_bytes(pretrained_path(name).read_bytes())
+    copy = tmp_path / "walk-stoop.safetensors"
+    (pair,) = pairs_of([copy, "walk-icewalk"])
+    assert pair.first.base == tmp_path / "walk.safetensors" and pair.first.base_hash == pair.second.base_hash
+    with pytest.raises(ValueError, match="two of these adaptations are named 'walk-stoop'"):
+        pairs_of(["walk-stoop", copy, "walk-icewalk"])
+
+
+def test_worlds_of_another_suite_are_refused(tmp_path):
+    (tmp_path / "walk-stoop.safetensors").write_bytes(pretrained_path("walk-stoop").read_bytes())
+    amend_card(tmp_path / "walk-stoop.safetensors", environment="CartPole-v1")
+    with pytest.raises(ValueError, match="CartPole-v1 is not of this suite"):
+        part_of(tmp_path / "walk-stoop.safetensors")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Runs that start from the weights of others of the same sweep."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from sweep_cases import sweep_file
@@ -29,6 +30,11 @@ def test_it_waits_for_the_run_that_it_starts_from_and_its_card_names_it(tmp_path
     assert main(["sweep", "run", str(second.path)]) == 0 and second.is_done()
     card = json.loads((second.path / "b.json").read_text())
     assert card["training"]["ppo"]["policy_kwargs"]["start"] == "a"
+    assert not second.is_stale()
+    first.write(replace(first.read(), settings=replace(first.read().settings, samples=128)))
+    assert main(["sweep", "run", str(first.path)]) == 0 and second.is_done() and second.is_stale()
+    assert main(["sweep", "status", str(tmp_path / "runs")]) == 0
+    assert "b-seed0: a-seed0 has other weights than it started from" in capsys.readouterr().out
 
 
 def test_it_comes_in_a_wave_after_the_run_that_it_starts_from(tmp_path, tiny_base):
