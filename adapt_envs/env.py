@@ -70,12 +70,13 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
     ## Episode end
     `info["end"]` names why: `fall` (any link but the feet touches the ground or an obstacle), `lost` (3 m farther from
     the target than when it was sampled), `diverged` (the physics broke down; the last finite observation is returned
-    and `info["diverged_worlds"]` counts), all `terminated`; `time` (300 steps) is `truncated`.
+    and `info["diverged_worlds"]` counts), all `terminated`. After 300 steps it is `truncated`: under `gym.make` by
+    Gymnasium's `TimeLimit`, which names no reason; of an `AdaptEnv` or `AdaptVectorEnv` by itself, `time`.
 
     ## Arguments
     See `__init__`; `reset(options={"goal_heading": rad, "goal_speed": m/s, "start": number})` holds the goal ahead in a
-    world direction and names the start state. `set_goal` does so at any time. `push_scale` scales the force of pushes,
-    `goal_spread` narrows where goals are sampled from.
+    world direction until the next reset, and names the start state. `set_goal` holds it until it is set again.
+    `push_scale` scales the force of pushes, `goal_spread` narrows where goals are sampled from.
 
     ## Version history
     * v0: initial version.
@@ -119,9 +120,8 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
 
     @property
     def _max_steps(self) -> int | None:
-        # `gym.make(..., max_episode_steps=n)` changes the spec; 0 or less disables the limit there.
-        limit = EPISODE_STEPS if self.spec is None else self.spec.max_episode_steps
-        return limit if limit is None or limit > 0 else None
+        # `gym.make` wraps a time limit around it, whose number is not in the spec that it leaves here.
+        return EPISODE_STEPS if self.spec is None else None
 
     @property
     def pose_windows(self) -> NDArray[np.float32]:

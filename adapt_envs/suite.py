@@ -1,14 +1,14 @@
 """Every environment as a row of one table: a new world is a new row."""
 
 from dataclasses import dataclass, fields, replace
-from numbers import Real
 from typing import Any
 
 from adapt_envs.model.morphology import Morphology
 from adapt_envs.model.obstacles import ObstacleField
 from adapt_envs.model.terrain import Terrain
-from adapt_envs.motion.clip import MotionClip
+from adapt_envs.motion.clip import MotionClip, MotionError
 from adapt_envs.motion.library import STYLES
+from adapt_envs.row_values import CHECKS
 from adapt_envs.tables import entry
 from adapt_envs.tasks.push import PushSchedule
 
@@ -16,6 +16,8 @@ WALK_SPEEDS, RUN_SPEEDS = (1.0, 1.5), (1.0, 3.0)
 """Ranges of the preferred speed [m/s]; paper, app. A."""
 WALK_TIMER, RUN_TIMER = (3.0, 5.0), (2.0, 3.0)
 """Ranges of the time until a new target is sampled [s]; paper, app. A."""
+STANDING = 0.02
+"""Who is slower [m/s] does not walk."""
 EPISODE_STEPS = 300
 """Control steps until the time limit: 10 s."""
 ICE_WALK, ICE_RUN = 0.15, 0.35
@@ -58,6 +60,15 @@ class TaskSpec:
     heightmap: bool = False
     push: PushSchedule | None = None
     clip_on_body: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the values.
+
+        Raises:
+            ValueError: for one of another kind, a range that does not rise, or a number that cannot be.
+        """
+        for name, check in CHECKS.items():
+            object.__setattr__(self, name, check(name, getattr(self, name)))
 
 
 _STYLE_WORDS = {
@@ -151,6 +162,9 @@ def preferred_speeds(spec: TaskSpec, clip: MotionClip, shown: MotionClip | None 
         spec: the row.
         clip: its clip.
         shown: the clip as the row's body shows it (`shown_by`); None for the plain character.
+
+    Raises:
+        MotionError: if the clip stands still, and the row has no range.
     """
     if spec.speed_range is not None:
         return spec.speed_range
@@ -158,6 +172,8 @@ def preferred_speeds(spec: TaskSpec, clip: MotionClip, shown: MotionClip | None 
     if usual[0] <= clip.mean_speed <= usual[1]:
         return usual
     speed = (shown or clip).mean_speed
+    if speed < STANDING:
+        raise MotionError(f"clip {clip.name!r} goes nowhere ({speed:.2f} m/s); give speed_range=(low, high)")
     return round(0.8 * speed, 3), round(1.2 * speed, 3)
 
 
@@ -165,31 +181,11 @@ def configured(task: str | TaskSpec, overrides: dict[str, Any]) -> TaskSpec:
     """The row `task` with fields replaced.
 
     Raises:
-        ValueError: for an unknown task or field, listing the valid ones, or a range that is not two rising numbers.
+        ValueError: for an unknown task or field, listing the valid ones, or a value that a `TaskSpec` refuses.
     """
     spec = find(task) if isinstance(task, str) else task
     valid = [item.name for item in fields(TaskSpec) if item.name not in ("base", "summary")]
     unknown = [key for key in overrides if key not in valid]
     if unknown:
         raise ValueError(f"unknown argument {unknown[0]!r}; the arguments are {', '.join(valid)}")
-    for key in ("speed_range", "timer_range"):
-        if overrides.get(key) is not None:
-            overrides[key] = _checked_range(key, overrides[key])
-    if isinstance(overrides.get("locked", ()), str):
-        overrides["locked"] = (overrides["locked"],)
-    if not isinstance(overrides.get("clip_on_body", False), bool):
-        raise ValueError(f"clip_on_body is {overrides['clip_on_body']!r}, expected True or False")
-    friction = overrides.get("friction", spec.friction)
-    if not isinstance(friction, Real) or not 0 < float(friction) < float("inf"):
-        raise ValueError(f"friction is {friction!r}, expected a positive number")
     return replace(spec, **overrides)
-
-
-def _checked_range(name: str, value: Any) -> tuple[float, float]:
-    try:
-        low, high = (float(number) for number in value)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} is {value!r}, expected two numbers") from None
-    if not 0 < low <= high:
-        raise ValueError(f"{name} is {value!r}, expected 0 < low <= high")
-    return low, high

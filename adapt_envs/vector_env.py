@@ -1,5 +1,6 @@
 """Many worlds of one task as a Gymnasium `VectorEnv`."""
 
+from numbers import Integral, Real
 from typing import Any
 
 import gymnasium as gym
@@ -36,6 +37,9 @@ def spaces_of(worlds: Worlds) -> tuple[gym.Space[Any], JointSpace]:
 def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, Any] | None) -> int | None:
     """Hold or release goals as `reset(options=...)` asks; return the number of the start state it asks for, if any.
 
+    A goal that an earlier reset asked for is released, so that a seed means the same episodes whatever went before;
+    one that `set_goal` holds stays.
+
     Raises:
         ValueError: for an unknown option, a start state that does not exist, or a goal that cannot be held.
     """
@@ -44,11 +48,23 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
     if unknown:
         raise ValueError(f"unknown reset option {unknown[0]!r}; the options are {', '.join(RESET_OPTIONS)}")
     start = options.get("start")
-    if start is not None and not 0 <= start < worlds.reference.num_states:
-        raise ValueError(f"start state {start} does not exist; they are 0 to {worlds.reference.num_states - 1}")
-    if "goal_heading" in options or "goal_speed" in options:
-        worlds.hold_goal(options.get("goal_heading"), options.get("goal_speed"), ids)
-    return start
+    last = worlds.reference.num_states - 1
+    if start is not None and not (_is_number(start, Integral) and 0 <= start <= last):
+        raise ValueError(f"start state {start!r} does not exist; they are 0 to {last}")
+    heading, speed = options.get("goal_heading"), options.get("goal_speed")
+    for name, value in (("goal_heading", heading), ("goal_speed", speed)):
+        if not (value is None or _is_number(value, Real)):
+            raise ValueError(f"reset option {name} is {value!r}, expected a number")
+    if heading is not None or speed is not None or "goal_heading" in options:
+        worlds.hold_goal(heading, speed, ids)
+        worlds.goals.held_by_reset = heading is not None
+    elif worlds.goals.held_by_reset:
+        worlds.goals.hold(ids, None, None)  # the reset samples others
+    return None if start is None else int(start)
+
+
+def _is_number(value: Any, kind: type) -> bool:
+    return isinstance(value, kind) and not isinstance(value, bool)
 
 
 def _for_each_world(name: str, values: ArrayLike, worlds: int) -> NDArray[np.float64]:
@@ -127,7 +143,7 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
         Args:
             task: name of a row of `suite.SUITE`, or your own `TaskSpec`.
             num_envs: number of worlds.
-            max_episode_steps: time limit in control steps (1/30 s); None, 0 or less is none, as for single worlds.
+            max_episode_steps: time limit in control steps (1/30 s); None, 0 or less is none.
             num_threads: threads of the physics; None for one per core.
             stagger: shorten the episodes that a `reset` of all worlds begins, each by another number of steps, so that
                 time limits do not come all at once in training.
@@ -149,8 +165,8 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Restart all worlds; `options` are `RESET_OPTIONS`. One seed serves all worlds."""
-        seed = seed[0] if isinstance(seed, list) else seed
+        """Restart all worlds; `options` are `RESET_OPTIONS`. One seed serves all worlds; of a list the first is it."""
+        seed = (seed or [None])[0] if isinstance(seed, list) else seed
         if seed is not None:
             self._np_random, self._np_random_seed = gym.utils.seeding.np_random(seed)
         self.worlds.rng = self.np_random
@@ -178,7 +194,8 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
             final_obs[world], end[world] = rows_of(observations, world), ENDS[code[world]]
         self.diverged_worlds += int((code == DIVERGED).sum())
         put_rows(observations, ended, self.worlds.reset(ended))
-        final_info = {"end": end, "_end": mask, "diverged_worlds": self.diverged_worlds}
+        diverged = np.full(self.num_envs, self.diverged_worlds)
+        final_info = {"end": end, "_end": mask, "diverged_worlds": diverged, "_diverged_worlds": mask}
         return {"final_obs": final_obs, "_final_obs": mask, "final_info": final_info, "_final_info": mask}
 
     @property

@@ -29,7 +29,8 @@ def main() -> None:
     first, second = options.styles
     policy = load_policy(first, env)
     other = policy.add_adaptation(second)
-    observation, _ = env.reset(seed=0, options={"goal_heading": 0.0, "goal_speed": options.speed})
+    ahead = {"goal_heading": 0.0, "goal_speed": options.speed}
+    observation, _ = env.reset(seed=0, options=ahead)
     for step in range(options.steps):
         share = 0.5 - 0.5 * math.cos(2 * math.pi * step / 30 / CYCLE)
         policy.blend({"main": 1 - share, other: share})
@@ -39,7 +40,7 @@ def main() -> None:
             print(f"{step / 30:5.1f} s   {1 - share:.2f} {first} + {share:.2f} {second}   goal reward {reward:.2f}")
         if terminated:
             print(f"{step / 30:5.1f} s   {info['end']}")
-            observation, _ = env.reset()
+            observation, _ = env.reset(options=ahead)
     env.close()
 
 

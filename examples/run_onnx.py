@@ -4,18 +4,21 @@ adaptnet export walk walk-stoop -o walk.onnx
 python examples/run_onnx.py walk.onnx
 """
 
+import argparse
 import json
-import sys
 
 import adapt_envs  # noqa: F401 (registers the ids)
 import gymnasium as gym
 import numpy as np
 import onnxruntime
 
-policy = onnxruntime.InferenceSession(sys.argv[1])
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("graph", help="what `adaptnet export walk walk-stoop -o walk.onnx` wrote")
+policy = onnxruntime.InferenceSession(parser.parse_args().graph)
 about = {key: json.loads(value) for key, value in policy.get_modelmeta().custom_metadata_map.items()}
 env = gym.make("AdaptNet/Humanoid-Walk-v0", max_episode_steps=-1)
-observation, _ = env.reset(seed=0, options={"goal_heading": 0.0, "goal_speed": 1.0})
+ahead = {"goal_heading": 0.0, "goal_speed": 1.0}
+observation, _ = env.reset(seed=0, options=ahead)
 for step in range(301):
     strengths = np.full((1, len(about["adaptations"])), min(1.0, step / 150), np.float32)
     (action,) = policy.run(None, {"observation": observation[None], "strengths": strengths})
@@ -25,4 +28,4 @@ for step in range(301):
         end = "" if not terminated else f"   {info['end']}"
         print(f"{step / about['control_hz']:4.1f} s   strength {strengths[0, 0]:.2f}   head {head:.2f} m{end}")
     if terminated:
-        observation, _ = env.reset()
+        observation, _ = env.reset(options=ahead)

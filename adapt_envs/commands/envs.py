@@ -5,6 +5,7 @@ import argparse
 from tqdm import tqdm
 
 from adapt_envs.commands.gallery import snapshot, write_gallery
+from adapt_envs.commands.output import check_output
 from adapt_envs.registration import env_id
 from adapt_envs.suite import SUITE, find
 
@@ -31,6 +32,7 @@ def run_list(arguments: argparse.Namespace) -> int:
 
 def run_sheet(arguments: argparse.Namespace) -> int:
     """Write the contact sheet."""
+    check_output(arguments.output, ".png")
     names = arguments.names or list(SUITE)
     for name in names:
         find(name)

@@ -12,9 +12,9 @@ from tqdm import tqdm
 from adapt_envs.commands.output import check_output
 from adapt_envs.drawing.film import video_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
-from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
-from adapt_envs.motion.library import CLIPS, load_clip
+from adapt_envs.motion.library import CLIPS, load_clip, ships
 from adapt_envs.motion.quality import THRESHOLDS, Quality, check
 from adapt_envs.motion.synthesis.styles import GAITS
 
@@ -71,14 +71,16 @@ def run_list(options: argparse.Namespace) -> int:
     for name in CLIPS:
         clip = load_clip(name)
         form = "cycle" if clip.cyclic else "clip"
-        print(f"{name:<14}{_duration(clip):9.2f}{clip.mean_speed:7.2f}  {form}, {kind_of(clip)}")
+        print(f"{name:<14}{clip.seconds:9.2f}{clip.mean_speed:7.2f}  {form}, {kind_of(name)}")
     return 0
 
 
 def run_check(options: argparse.Namespace) -> int:
     """Measure motions; 1 if one of them misses the thresholds of its kind."""
-    clips = [_opened(name) for name in options.motions or CLIPS]
-    results = [check(clip, options.kind or kind_of(clip)) for clip in _bar(clips, "measuring")]
+    names = options.motions or list(CLIPS)
+    clips = [_opened(name) for name in names]
+    asked = zip(names, clips, strict=True)
+    results = [check(clip, options.kind or kind_of(name)) for name, clip in _bar(list(asked), "measuring")]
     if options.json:
         print(json.dumps([result.as_dict() for result in results], indent=2, allow_nan=False))
     else:
@@ -105,19 +107,18 @@ def run_import(options: argparse.Namespace) -> int:
     check_output(output, ".npz")
     clip = import_motion(options.file, options.map, options.style, lambda frames: _bar(frames, "fitting"))
     clip.save(output)
-    measured = check(clip, kind_of(clip))
+    measured = check(clip, _DEFAULT_KIND)
     kind = "cycle" if clip.cyclic else "clip"
-    print(f"wrote {output}: {kind} of {_duration(clip):.2f} s, {clip.mean_speed:.2f} m/s, {clip.origin}")
+    print(f"wrote {output}: {kind} of {clip.seconds:.2f} s, {clip.mean_speed:.2f} m/s, {clip.origin}")
     sliding = "none" if measured.slip_median_cm_s is None else f"{measured.slip_median_cm_s:.1f} cm/s"
     sinking, excess = measured.penetration_cm, measured.limit_violation_deg
     print(f"sliding (median) {sliding}, sinking {sinking:.1f} cm, past joint limits {excess:.1f} deg")
     return 0
 
 
-def kind_of(clip: MotionClip) -> str:
-    """The kind whose quality thresholds hold for a clip: the table's for a motion that ships, else `quiet`."""
-    gait = GAITS.get(clip.name.lower())
-    return gait.kind if gait else _DEFAULT_KIND
+def kind_of(name_or_file: str) -> str:
+    """The kind whose quality thresholds hold: the table's for the name of a motion that ships, else `quiet`."""
+    return GAITS[name_or_file.lower()].kind if ships(name_or_file) else _DEFAULT_KIND
 
 
 def _opened(name_or_file: str) -> MotionClip:
@@ -125,10 +126,6 @@ def _opened(name_or_file: str) -> MotionClip:
     if Path(name_or_file).suffix.lower() in SUFFIXES:
         return import_motion(name_or_file, progress=lambda frames: _bar(frames, "fitting"))
     return load_clip(name_or_file)
-
-
-def _duration(clip: MotionClip) -> float:
-    return clip.period / FPS
 
 
 def _bar(items: Iterable[_Item], title: str) -> Iterable[_Item]:

@@ -15,6 +15,7 @@ from adapt_envs.drawing.picture import Image
 from adapt_envs.drawing.scene import QUARTER
 from adapt_envs.drawing.world_view import HIGH, SceneRenderer
 from adapt_envs.motion.clip import FPS, MotionClip
+from adapt_envs.motion.whole_file import whole_file
 from adapt_envs.simulation.worlds import Worlds
 
 VIDEO_SIZE = (720, 720)
@@ -75,7 +76,7 @@ def rollout_frames(worlds: Worlds, qpos: NDArray[np.float64], size: tuple[int, i
 
 
 def write_video(frames: Iterable[Image], path: str | Path) -> None:
-    """Write pictures as a video at 30 frames per second.
+    """Write pictures as a video at 30 frames per second, whole or not at all.
 
     Args:
         frames: pictures of one size.
@@ -94,8 +95,8 @@ def write_video(frames: Iterable[Image], path: str | Path) -> None:
         raise ValueError(f"there are no pictures for {str(path)!r}")
     size = (first.shape[1], first.shape[0])
     # Without a quality FFmpeg takes the codec's own.
-    encoder = imageio_ffmpeg.write_frames(str(path), size, fps=FPS, quality=None, ffmpeg_log_level="error", **encoding)
-    with closing(encoder):
+    settings = {"fps": FPS, "quality": None, "ffmpeg_log_level": "error", **encoding}
+    with whole_file(Path(path)) as part, closing(imageio_ffmpeg.write_frames(str(part), size, **settings)) as encoder:
         encoder.send(None)  # starts it
         for picture in chain([first], pictures):
             encoder.send(np.ascontiguousarray(picture))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adapt_envs.drawing.palette import INK, PAPER, Colour
+from adapt_envs.motion.whole_file import write_whole
 
 Image = NDArray[np.uint8]
 """A picture: (height, width, 3), red, green and blue."""
@@ -67,10 +68,10 @@ def tiled(rows: Sequence[Sequence[Image]], columns: int, gap: int = 0) -> Image:
 
 
 def write_png(picture: Image, path: str | Path) -> None:
-    """Write a picture as a PNG, compressed as far as it goes.
+    """Write a picture as a PNG, compressed as far as it goes, whole or not at all.
 
     Raises:
         OSError: if the file cannot be written.
     """
     _, encoded = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), _SMALLEST_PNG)
-    Path(path).write_bytes(encoded.tobytes())
+    write_whole(Path(path), encoded.tobytes())

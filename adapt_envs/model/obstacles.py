@@ -38,8 +38,16 @@ class ObstacleField:
         """Check that blocks fit into their cells.
 
         Raises:
-            ValueError: if they do not, or if the cells do not fill a patch.
+            ValueError: if they do not, if the cells do not fill a patch, a range does not rise, or the density is no
+                share.
         """
+        for name, (low, high) in (("side", self.side), ("height", self.height)):
+            if not 0 < low <= high < float("inf"):
+                raise ValueError(f"{name} is {(low, high)!r} m, expected 0 < low <= high")
+        if not 0 <= self.density <= 1:
+            raise ValueError(f"density is {self.density!r}, expected a share from 0 to 1")
+        if not 0 < self.cell <= PATCH:
+            raise ValueError(f"cell is {self.cell!r} m, expected a divisor of the patch's {PATCH:g} m")
         if abs(PATCH / self.cell - round(PATCH / self.cell)) > 1e-6:
             raise ValueError(f"cell is {self.cell!r} m, expected a divisor of the patch's {PATCH:g} m")
         if self.lane < 2 * _RASTER:

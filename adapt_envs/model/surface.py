@@ -117,5 +117,6 @@ def _patch(terrain: Terrain, rng: np.random.Generator) -> NDArray[np.float64]:
     fine = max(1, (heights.shape[0] - 1) // (size - 1)) if heights.ndim else 1
     side = fine * (size - 1) + 1
     if heights.shape != (side, side) or not np.isfinite(heights).all():
-        raise ValueError(f"the terrain's function returned {heights.shape}, expected finite heights ({size}, {size})")
+        found = heights.shape if np.isfinite(heights).all() else f"{heights.shape} with some that are not finite"
+        raise ValueError(f"the terrain's function returned {found}, expected finite heights ({size}, {size})")
     return np.pad(heights, fine * round(STRIP / GRID / 2), "linear_ramp")[:-1, :-1]

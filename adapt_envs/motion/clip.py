@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,6 +19,7 @@ from adapt_envs.motion.whole_file import write_whole
 FPS = 30
 """Frames per second of every clip: the control rate."""
 _FORMAT = "adaptnet-motion-1"
+_RECORDINGS = (".bvh", ".json")
 
 
 class MotionError(ValueError):
@@ -149,20 +151,29 @@ class MotionClip:
         Raises:
             MotionError: if the file is missing, cut, foreign or holds an unusable motion.
         """
+        if Path(path).is_file() and not zipfile.is_zipfile(path):
+            words = f"import it first: adaptnet motions import {Path(path).name} -o NAME.npz"
+            wanted = f"a recording; {words}" if Path(path).suffix.lower() in _RECORDINGS else "or cut short"
+            raise MotionError(f"{path}: not a motion clip, {wanted}")
         try:
             with np.load(path, allow_pickle=False) as data:
                 meta = json.loads(str(data["meta"]))
                 qpos = data["qpos"].astype(np.float64)
             if meta["format"] != _FORMAT:
                 raise ValueError(f"format {meta['format']!r}, expected {_FORMAT!r}")
+            if meta.get("fps", FPS) != FPS:
+                raise ValueError(f"{meta['fps']} frames a second, expected {FPS}")
+            if not all(isinstance(word, str) for word in (meta["name"], meta["origin"], *meta["joints"])):
+                raise ValueError("name, origin and joints must be text")
+            clip = cls(meta["name"], qpos, tuple(meta["joints"]), bool(meta["cyclic"]), meta["origin"])
             # Single precision leaves the quaternions 1e-7 off; velocities want them exact.
             qpos[:, 3:7] /= np.linalg.norm(qpos[:, 3:7], axis=1, keepdims=True)
-            return cls(meta["name"], qpos, tuple(meta["joints"]), bool(meta["cyclic"]), meta["origin"])
+            return clip
         except MotionError as error:
             raise MotionError(f"{path}: {error}") from None
         except FileNotFoundError:
             raise MotionError(f"{path}: no such file") from None
-        except Exception as error:  # np.load raises half a dozen kinds for files that are not archives
+        except Exception as error:  # np.load raises half a dozen kinds for archives of something else
             raise MotionError(f"{path}: not a motion clip ({error})") from None
 
 

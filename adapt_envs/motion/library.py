@@ -1,7 +1,7 @@
 """The clips that ship, and what environments take from clips: start states and reference windows."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from adapt_envs.assets import asset_path
 from adapt_envs.features.heading_frame import WINDOW_FRAMES, heading_frame_features, pose_windows
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import build_character, compile_model, plain_model
-from adapt_envs.model.humanoid import CONTROL_DT, joints_of
+from adapt_envs.model.humanoid import CONTROL_DT, joint_names, joints_of
 from adapt_envs.model.morphology import Morphology
 from adapt_envs.motion.clip import MotionClip, MotionError, velocities
 from adapt_envs.motion.on_body import on_body, shown_by
@@ -67,7 +67,15 @@ def _version(name_or_file: str) -> _Version:
 
 @lru_cache(maxsize=32)
 def _load(version: _Version) -> MotionClip:
-    return MotionClip.load(version.path)
+    clip, names = MotionClip.load(version.path), joint_names()
+    if clip.joint_names == names:
+        return clip
+    odd = sorted(set(names) ^ set(clip.joint_names))
+    if odd or len(clip.joint_names) != len(names):
+        words = ", ".join(odd) or "a joint that is there twice"
+        raise MotionError(f"{version.path}: clip {clip.name!r} does not fit the character; they differ in: {words}")
+    columns = [*range(7), *(7 + clip.joint_names.index(name) for name in names)]
+    return replace(clip, qpos=clip.qpos[:, columns], joint_names=names)
 
 
 @dataclass(frozen=True)

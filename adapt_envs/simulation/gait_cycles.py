@@ -8,6 +8,7 @@ import numpy as np
 from adapt_envs.motion.clip import MotionError
 from adapt_envs.motion.importing.gaits_of_clip import gaits_of
 from adapt_envs.motion.library import ReferenceMotion
+from adapt_envs.suite import STANDING
 from adapt_envs.tasks.tracking import GaitCycle
 
 SPEED_STEP = 1.2
@@ -33,4 +34,4 @@ def gait_cycles(reference: ReferenceMotion, speed_range: tuple[float, float]) ->
             gaits = gaits_at(reference, np.geomspace(slow, fast, count).tolist())
         except MotionError:
             return []
-    return [GaitCycle(gait.poses[..., :3], gait.speed) for gait in gaits]
+    return [GaitCycle(gait.poses[..., :3], gait.speed) for gait in gaits if gait.speed >= STANDING]

@@ -10,7 +10,7 @@ from adapt_envs.features import rotations
 from adapt_envs.features.heading_frame import POSE, WINDOW_FRAMES, heading_frame_features, observations, pose_windows
 from adapt_envs.features.heightmap import heightmaps
 from adapt_envs.features.kinematics import LINK_STATE
-from adapt_envs.features.observation_rows import Observations, put_rows, rows_of
+from adapt_envs.features.observation_rows import Observations, copied, put_rows, rows_of
 from adapt_envs.model.build import build_character, compile_model
 from adapt_envs.model.ground import Ground, make_ground
 from adapt_envs.model.humanoid import LINKS
@@ -142,8 +142,8 @@ class Worlds:
         fresh = self._observed(features, ids)
         if self._last is None:
             self._features[ids] = features
-        if self._last is None or len(ids) == len(self._all):  # what `step` returned before belongs to the caller
-            self._last = fresh
+        if self._last is None or len(ids) == len(self._all):
+            self._last = copied(fresh)
         else:
             put_rows(self._last, ids, fresh)
         return fresh
@@ -166,17 +166,24 @@ class Worlds:
         """Advance all worlds by one control step; worlds that end are not reset.
 
         Args:
-            actions: (N, nu), clipped to [-1, 1].
+            actions: (N, nu), clipped to [-1, 1]; a world whose actions are not finite diverges.
             max_steps: time limit in control steps, or None.
 
         Returns:
             Observations of the N worlds, goal rewards (N,) in [0, 1], and why each episode ended (N,), codes into
             `termination.ENDS`. A world that diverged has its last finite observation and reward 0.
+
+        Raises:
+            ValueError: for actions of another shape.
         """
+        actions = np.asarray(actions)
+        if actions.shape != (shape := (len(self._all), self.model.nu)):
+            raise ValueError(f"actions have the shape {actions.shape}, expected {shape}")
+        meant = np.isfinite(actions).all(axis=1)
         before, speed = self.root_xy.copy(), self.goals.speed.copy()
         if self.pushes is not None:
             self.physics.push(self.pushes.step(self.rng))
-        diverged = self.physics.step(np.clip(actions, -1, 1))
+        diverged = self.physics.step(np.where(meant[:, None], np.clip(actions, -1, 1), 0)) | ~meant
         self._remember_links(diverged)
         self.steps += 1
         after = self.root_xy
@@ -204,7 +211,7 @@ class Worlds:
     def _remembered(self, fresh: Observations, diverged: NDArray[np.bool_]) -> Observations:
         if self._last is not None and diverged.any():
             put_rows(fresh, diverged, rows_of(self._last, diverged))
-        self._last = fresh
+        self._last = copied(fresh)  # what is returned belongs to the caller
         return fresh
 
     def _observed(self, features: NDArray[np.float32], ids: NDArray[np.integer]) -> Observations:

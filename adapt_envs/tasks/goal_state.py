@@ -18,6 +18,7 @@ class Goals:
         steps_left: (N,) control steps until a new target is sampled.
         distance: (N,) distance to the target when it was sampled [m].
         held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are random.
+        held_by_reset: whether they are held because a reset's options asked for it: until the next reset.
         held_speed: (N,) preferred speed [m/s] the goal is held at.
         spread: (N,) shares of the circle, centred straight ahead, that random headings come from; 1 is the paper's.
     """
@@ -32,6 +33,7 @@ class Goals:
         self.steps_left = np.zeros(num_worlds, np.int64)
         self.distance = np.zeros(num_worlds, np.float32)
         self.held_heading = np.full(num_worlds, np.nan)
+        self.held_by_reset = False
         self.held_speed = np.ones(num_worlds)
         self.spread = np.ones(num_worlds)
 
@@ -45,6 +47,7 @@ class Goals:
             raise ValueError(f"a goal is held by heading and speed together, not by {heading} and {speed}")
         if heading is not None and speed is not None and not (np.isfinite(heading) and 0.0 < speed < np.inf):
             raise ValueError(f"a goal's heading must be finite and its speed positive, not {heading} rad, {speed} m/s")
+        self.held_by_reset = False
         self.held_heading[ids] = np.nan if heading is None else heading
         self.held_speed[ids] = 1.0 if speed is None else speed
 

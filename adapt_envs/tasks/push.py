@@ -1,6 +1,7 @@
 """Pushes: a force on the torso now and then, in a random horizontal direction (paper, sec. 8.4)."""
 
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,11 @@ class PushSchedule:
         """Check the numbers.
 
         Raises:
-            ValueError: if pushes overlap, last less than a control step, or the range does not rise.
+            ValueError: for a force that is not positive, or if pushes overlap, last less than a control step, or the
+                range does not rise.
         """
+        if isinstance(self.force, bool) or not isinstance(self.force, Real) or not 0 < self.force < float("inf"):
+            raise ValueError(f"force is {self.force!r}, expected a positive number of newtons")
         low, high = self.interval
         if not 0 < self.seconds <= low <= high:
             found = f"seconds is {self.seconds!r} and interval {self.interval!r}"

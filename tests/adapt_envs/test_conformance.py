@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import stable_baselines3.common.env_checker as sb3_checker
 from gymnasium.utils.env_checker import check_env
+from gymnasium.wrappers.vector import DictInfoToList
 
 from adapt_envs import SUITE, AdaptEnv, env_id, make_vector
 from adapt_envs.spaces import JointSpace
@@ -115,6 +116,47 @@ def test_no_time_limit(steps):
     env = make_vector(env_id("Walk"), 2, max_episode_steps=steps, stagger=True)
     env.reset(seed=0)
     assert not env.step(np.tile(env.single_action_space.mean_pose, (2, 1)))[3].any()
+
+
+def test_a_seed_means_the_same_episodes_whatever_was_asked_for_before():
+    env, fresh = make_vector(env_id("Walk"), 2), make_vector(env_id("Walk"), 2)
+    env.reset(seed=0, options={"goal_heading": 0.0, "goal_speed": 1.0})
+    assert (env.worlds.goals.held_heading == 0).all()
+    assert equal(env.reset(seed=3)[0], fresh.reset(seed=3)[0])
+    env.set_goal(1.0, 1.2)
+    env.reset(seed=3)
+    assert (env.worlds.goals.held_heading == 1.0).all()  # what `set_goal` holds stays
+    env.reset(options={"goal_heading": None, "goal_speed": None})
+    assert np.isnan(env.worlds.goals.held_heading).all()
+
+
+def test_what_a_vector_says_of_ends_is_gymnasiums_form():
+    env = DictInfoToList(make_vector(env_id("Walk"), 2, max_episode_steps=2))
+    env.reset(seed=0)
+    actions = np.tile(env.unwrapped.single_action_space.mean_pose, (2, 1))
+    env.step(actions)
+    infos = env.step(actions)[4]
+    assert [info["final_info"] for info in infos] == [{"end": "time", "diverged_worlds": 0}] * 2
+
+
+def test_what_was_returned_stays_as_it_was():
+    env = make_vector(env_id("Walk"), 2)
+    env.reset(seed=0)
+    actions = np.tile(env.single_action_space.mean_pose, (2, 1))
+    observations = env.step(actions)[0]
+    kept = observations.copy()
+    env.restart(np.array([0]))
+    assert equal(observations, kept)
+    observations[:] = 7  # as one would who normalises in place
+    env.worlds.physics.qpos[1, 9] = np.nan
+    final = env.step(actions)[4]["final_obs"][1]
+    assert equal(final, kept[1])
+
+
+def test_a_seed_for_each_world_is_the_first_ones():
+    env = make_vector(env_id("Walk"), 2)
+    assert equal(env.reset(seed=[5, 6])[0], env.reset(seed=5)[0])
+    env.reset(seed=[])
 
 
 def test_every_episode_end_is_named_and_reachable():

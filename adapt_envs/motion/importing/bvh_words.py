@@ -27,6 +27,7 @@ class BvhWords:
         self.path, self.lines = path, text.splitlines()
         self.line = 0
         self._words = self._stream()
+        self._next: tuple[int, str] | None = None  # read already, and given back
 
     def _stream(self) -> Iterator[str]:
         for number, line in enumerate(self.lines, start=1):
@@ -44,6 +45,9 @@ class BvhWords:
 
     def word(self, wanted: str) -> str:
         """The next word; `wanted` says what for, should the file end here."""
+        if self._next is not None:
+            (self.line, word), self._next = self._next, None
+            return word
         for word in self._words:
             return word
         self.fail(f"the file ends where {wanted} should follow", len(self.lines))
@@ -67,14 +71,14 @@ class BvhWords:
         return value
 
     def name(self) -> str:
-        """The rest of this line up to a brace: names may hold spaces."""
-        line = self.line
-        rest = self.lines[line - 1].split("{")[0].split(maxsplit=1)
-        if len(rest) < 2:
+        """What is left of this line up to a brace: names may hold spaces."""
+        line, words = self.line, list[str]()
+        while (word := self.word("a name and {")) != "{" and self.line == line:
+            words.append(word)
+        self._next, self.line = (self.line, word), line
+        if not words:
             self.fail("a joint without a name")
-        for _ in rest[1].split():
-            self.word("a name")
-        return rest[1].strip()
+        return " ".join(words)
 
     def rows(self, count: int, width: int) -> NDArray[np.float64]:
         """The numbers (count, width) of the lines that are left, one frame to a line."""

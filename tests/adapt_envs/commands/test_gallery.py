@@ -45,6 +45,14 @@ def test_unknown_names_are_named_before_anything_is_drawn(command, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_file_that_cannot_be_is_refused_before_anything_is_drawn(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("adapt_envs.commands.envs.snapshot", None)
+    with pytest.raises(ValueError, match="the extension must be .png, not .jpg"):
+        command("sheet", "-o", tmp_path / "sheet.jpg", "Walk")
+    with pytest.raises(ValueError, match="does not exist"):
+        command("sheet", "-o", tmp_path / "no" / "sheet.png", "Walk")
+
+
 def test_tiles_fill_rows():
     tiles = [np.full((40, 60, 3), i, np.uint8) for i in range(COLUMNS + 1)]
     sheet = gallery(list(SUITE)[: COLUMNS + 1], tiles)

@@ -52,6 +52,19 @@ def test_what_cannot_be_a_film_is_refused(tmp_path):
         write_video(ramp(), tmp_path / "nowhere" / "film.mp4")
 
 
+def test_a_film_or_picture_that_fails_leaves_what_was_there(tmp_path):
+    film = tmp_path / "film.mp4"
+    film.write_bytes(b"earlier")
+
+    def broken():
+        yield np.zeros((32, 32, 3), np.uint8)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_video(broken(), film)
+    assert film.read_bytes() == b"earlier" and list(tmp_path.iterdir()) == [film]
+
+
 def test_a_cycle_repeats_until_the_seconds_are_full_and_reaches_the_file(tmp_path):
     clip = load_clip("Stoop")
     pictures = list(video_frames(clip, (96, 96), min_seconds=1.0))

@@ -1,5 +1,7 @@
 """Motion clips: looping, mirroring, velocities, files."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -87,6 +89,46 @@ def test_foreign_files_get_one_sentence(tmp_path, content):
         MotionClip.load(path)
     with pytest.raises(MotionError, match="no such file"):
         MotionClip.load(tmp_path / "missing.npz")
+
+
+@pytest.mark.parametrize("name", ["walk.bvh", "walk.json"])
+def test_a_recording_is_to_be_imported_first(tmp_path, name):
+    (tmp_path / name).write_text("HIERARCHY")
+    with pytest.raises(MotionError, match=f"a recording; import it first: adaptnet motions import {name} -o NAME.npz"):
+        load_clip(str(tmp_path / name))
+
+
+@pytest.mark.parametrize(
+    "changes, message",
+    [
+        ({"fps": 60}, "60 frames a second, expected 30"),
+        ({"name": 5}, "name, origin and joints must be text"),
+        ({"format": "other-1"}, "format 'other-1', expected"),
+    ],
+)
+def test_what_a_file_says_of_itself_is_checked(tmp_path, changes, message):
+    file = tmp_path / "mine.npz"
+    load_clip("Stoop").save(file)
+    with np.load(file) as data:
+        qpos, meta = data["qpos"], json.loads(str(data["meta"]))
+    np.savez(file, qpos=qpos, meta=np.array(json.dumps(meta | changes)))
+    with pytest.raises(MotionError, match=message):
+        MotionClip.load(file)
+    qpos[:, 3:7] *= 3
+    np.savez(file, qpos=qpos, meta=np.array(json.dumps(meta)))
+    with pytest.raises(MotionError, match="has a root quaternion of length 3.000"):
+        MotionClip.load(file)
+
+
+def test_joints_in_another_order_are_put_in_order_and_others_are_named(tmp_path):
+    stoop, file = load_clip("Stoop"), tmp_path / "mine.npz"
+    order = np.random.default_rng(0).permutation(len(stoop.joint_names))
+    names = tuple(stoop.joint_names[i] for i in order)
+    MotionClip("mine", stoop.qpos[:, [*range(7), *(7 + order)]], names, True).save(file)
+    assert load_clip(str(file)).digest == stoop.digest
+    MotionClip("mine", stoop.qpos[:, :-1], stoop.joint_names[:-1], True).save(file)
+    with pytest.raises(MotionError, match="does not fit the character; they differ in: left_ankle_z"):
+        load_clip(str(file))
 
 
 def test_a_clip_file_that_changed_is_read_again(tmp_path):

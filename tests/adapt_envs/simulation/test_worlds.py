@@ -121,7 +121,7 @@ def test_a_diverged_world_ends_alone_with_its_last_finite_observation():
     env.worlds.physics.qpos[4, 9] = np.nan
     after, rewards, terminated, _, infos = env.step(pose)
     assert infos["final_info"]["end"][2] == infos["final_info"]["end"][4] == "diverged"
-    assert infos["final_info"]["diverged_worlds"] == env.diverged_worlds == 2
+    assert (infos["final_info"]["diverged_worlds"] == env.diverged_worlds).all() and env.diverged_worlds == 2
     for world in (2, 4):
         assert terminated[world]
         assert np.array_equal(infos["final_obs"][world], observations[world])

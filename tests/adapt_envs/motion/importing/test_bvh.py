@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from made_up_motions import bvh_text, write
 
+from adapt_envs.motion.clip import MotionError
 from adapt_envs.motion.importing.bvh import read_bvh
 
 
@@ -35,6 +36,18 @@ Frame Time: .04
     # Rz(90) Rx(180) takes y to x.
     np.testing.assert_allclose(pos[1, 2], [2, 1, 0], atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(quat, axis=-1), 1, atol=1e-12)
+
+
+def test_words_stand_on_any_line(tmp_path):
+    """BVH is a stream of words: lines matter in the frames alone."""
+    text = """HIERARCHY ROOT a b { OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation JOINT c
+{ OFFSET 1 0 0 CHANNELS 1 Xrotation End Site { OFFSET 0 2 0 } } JOINT d { OFFSET 2 0 0 CHANNELS 0 } }
+MOTION Frames: 1 Frame Time: .04
+0 0 0 0
+"""
+    assert read_bvh(write(tmp_path, "x.bvh", text)).names == ("a b", "c", "c end", "d")
+    with pytest.raises(MotionError, match="line 1: a joint without a name"):
+        read_bvh(write(tmp_path, "y.bvh", text.replace("ROOT a b {", "ROOT {")))
 
 
 def test_bvh_agrees_with_pybvh(tmp_path):

@@ -1,0 +1,97 @@
+"""Values of an environment's row, each as it is kept, or refused with one sentence."""
+
+import os
+from collections.abc import Callable
+from numbers import Integral, Real
+from typing import Any
+
+from adapt_envs.model.morphology import Morphology
+from adapt_envs.model.obstacles import ObstacleField
+from adapt_envs.tasks.push import PushSchedule
+
+
+def _motion(name: str, value: Any) -> str:
+    if not isinstance(value, str | os.PathLike) or not os.fspath(value):
+        raise ValueError(f"{name} is {value!r}, expected a clip's name or file")
+    return str(os.fspath(value))
+
+
+def _range(name: str, value: Any) -> tuple[float, float]:
+    try:
+        low, high = (float(number) for number in (() if isinstance(value, str) else value))
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {value!r}, expected two numbers") from None
+    if not 0 < low <= high < float("inf"):
+        raise ValueError(f"{name} is {value!r}, expected 0 < low <= high")
+    return low, high
+
+
+def _range_or_none(name: str, value: Any) -> tuple[float, float] | None:
+    return None if value is None else _range(name, value)
+
+
+def _friction(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < float("inf"):
+        raise ValueError(f"{name} is {value!r}, expected a positive number")
+    return float(value)
+
+
+def _seed(name: str, value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < 0:
+        raise ValueError(f"{name} is {value!r}, expected a whole number from 0")
+    return int(value)
+
+
+def _yes_or_no(name: str, value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{name} is {value!r}, expected True or False")
+    return value
+
+
+def _joints(name: str, value: Any) -> tuple[str, ...]:
+    joints = (value,) if isinstance(value, str) else value
+    try:
+        joints = tuple(joints)
+    except TypeError:
+        joints = (None,)
+    if not all(isinstance(joint, str) for joint in joints):
+        raise ValueError(f"{name} is {value!r}, expected names of joints, such as ('right_knee',)")
+    return joints
+
+
+def _named(kind: type, words: str) -> Callable[[str, Any], Any]:
+    def check(name: str, value: Any) -> Any:
+        if not (value is None or isinstance(value, str | kind)):
+            raise ValueError(f"{name} is {value!r}, expected a name, {words}, or None")
+        return value
+
+    return check
+
+
+def _terrain(name: str, value: Any) -> Any:
+    if not (value is None or isinstance(value, str) or callable(value)):
+        raise ValueError(f"{name} is {value!r}, expected a name, a function (rng, size) -> heights, or None")
+    return value
+
+
+def _push(name: str, value: Any) -> PushSchedule | None:
+    if not (value is None or isinstance(value, PushSchedule)):
+        raise ValueError(f"{name} is {value!r}, expected a PushSchedule(force, seconds, interval), or None")
+    return value
+
+
+CHECKS: dict[str, Callable[[str, Any], Any]] = {
+    "motion": _motion,
+    "speed_range": _range_or_none,
+    "timer_range": _range,
+    "friction": _friction,
+    "morphology": _named(Morphology, "a Morphology"),
+    "locked": _joints,
+    "terrain": _terrain,
+    "terrain_seed": _seed,
+    "obstacles": _named(ObstacleField, "an ObstacleField"),
+    "heightmap": _yes_or_no,
+    "push": _push,
+    "clip_on_body": _yes_or_no,
+}
+"""Field of a row -> a function (name, value) that returns the value as it is kept, or raises ValueError."""
