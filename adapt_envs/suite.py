@@ -8,9 +8,9 @@ from adapt_envs.model.obstacles import ObstacleField
 from adapt_envs.model.terrain import Terrain
 from adapt_envs.motion.clip import MotionClip, MotionError
 from adapt_envs.motion.library import STYLES
-from adapt_envs.row_values import CHECKS
 from adapt_envs.tables import entry
 from adapt_envs.tasks.push import PushSchedule
+from adapt_envs.tasks.row_values import CHECKS
 
 WALK_SPEEDS, RUN_SPEEDS = (1.0, 1.5), (1.0, 3.0)
 """Ranges of the preferred speed [m/s]; paper, app. A."""

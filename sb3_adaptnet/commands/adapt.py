@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+from adapt_envs.commands.numbers import positive, seconds_of
 from adapt_envs.commands.output import check_output
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
@@ -13,7 +14,6 @@ from adapt_envs.progress import Progress
 from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.export import export
-from sb3_adaptnet.commands.numbers import positive, seconds_of
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_worlds_for
 from sb3_adaptnet.commands.train import INTERRUPTED, refuse_given
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation

@@ -11,6 +11,7 @@ from typing import Any
 from stable_baselines3.common.callbacks import BaseCallback
 
 from adapt_envs import env_id
+from adapt_envs.commands.numbers import positive, seconds_of
 from adapt_envs.drawing.film import video_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.motion.clip import MotionClip
@@ -18,7 +19,6 @@ from adapt_envs.motion.library import STYLES, load_clip
 from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.export import export
-from sb3_adaptnet.commands.numbers import positive, seconds_of
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
 from sb3_adaptnet.commands.train import INTERRUPTED
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation

@@ -5,13 +5,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+from adapt_envs.commands.numbers import seconds_of, speed_of
 from adapt_envs.commands.output import check_output
 from adapt_envs.drawing.film import rollout_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.model.ground import Ground
 from adapt_envs.motion.exporting import write_bvh, write_glb
 from adapt_envs.motion.exporting.extra import gltf_packages
-from sb3_adaptnet.commands.numbers import seconds_of, speed_of
 from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.before_after import check_world, write_before_after

@@ -3,10 +3,10 @@
 import argparse
 from typing import Any
 
+from adapt_envs.commands.numbers import positive
 from adapt_envs.drawing.scene import RenderingError
 from adapt_envs.drawing.world_view import Window
 from adapt_envs.simulation.worlds import Worlds
-from sb3_adaptnet.commands.numbers import positive
 from sb3_adaptnet.commands.policy_options import add_options, open_from_options
 from sb3_adaptnet.play import Browser, Controls, Keyboard, View, play
 from sb3_adaptnet.play.keyboard import HELP

@@ -11,7 +11,7 @@ import torch
 from tqdm import tqdm
 
 from adapt_envs import AdaptVectorEnv
-from sb3_adaptnet.commands.numbers import positive
+from adapt_envs.commands.numbers import positive
 from sb3_adaptnet.evaluation.recording import WORLDS, open_worlds
 from sb3_adaptnet.policies.adaptnet import TRAINED, AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_policy

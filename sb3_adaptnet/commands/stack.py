@@ -6,8 +6,8 @@ from typing import Any
 
 import torch
 
+from adapt_envs.commands.numbers import positive, seconds_of
 from adapt_envs.commands.output import check_output
-from sb3_adaptnet.commands.numbers import positive, seconds_of
 from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.evaluation.stacking import markdown, measure_pairs, read_csv, renewed, write_csv, write_heat_map
 from sb3_adaptnet.stacking import pairs_of

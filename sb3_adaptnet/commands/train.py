@@ -4,9 +4,9 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
+from adapt_envs.commands.numbers import positive
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.algorithm import algorithm_of
-from sb3_adaptnet.commands.numbers import positive
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start

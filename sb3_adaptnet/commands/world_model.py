@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from adapt_envs.commands.numbers import positive
 from adapt_envs.commands.output import check_output
-from sb3_adaptnet.commands.numbers import positive
 from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.runs.error_plot import draw_errors
 from sb3_adaptnet.runs.world_fit import FitPlan, fit_world, record_transitions

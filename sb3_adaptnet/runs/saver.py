@@ -1,12 +1,15 @@
 """Checkpoints of a training run, and going on from one."""
 
 import json
+import random
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
+import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
@@ -15,7 +18,6 @@ from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.objectives.weight_average import WeightAveraging
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.policies.optimizer_groups import ACTOR, restore_moments
-from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder
 
 
@@ -175,3 +177,25 @@ def _named(callbacks: Sequence[Stateful]) -> Iterator[tuple[str, Stateful]]:
         name = type(callback).__name__
         yield f"{name} {of_class[name]}", callback
         of_class[name] += 1
+
+
+def random_states() -> dict[str, Any]:
+    """Read all global random states, in a form that `torch.load(weights_only=True)` accepts."""
+    name, keys, position, has_gauss, cached = np.random.get_state(legacy=True)
+    return {
+        "python": json.dumps(random.getstate()),
+        "numpy": json.dumps([name, np.asarray(keys).tolist(), position, has_gauss, cached]),
+        "torch": torch.get_rng_state(),
+        "cuda": torch.cuda.get_rng_state_all() if torch.cuda.is_available() else [],
+    }
+
+
+def restore_random_states(states: dict[str, Any]) -> None:
+    """Set all global random states to what `random_states` gave."""
+    version, internal, gauss = json.loads(states["python"])
+    random.setstate((version, tuple(internal), gauss))
+    name, keys, position, has_gauss, cached = json.loads(states["numpy"])
+    np.random.set_state((name, np.array(keys, np.uint32), position, has_gauss, cached))
+    torch.set_rng_state(states["torch"].cpu())
+    if states["cuda"] and torch.cuda.is_available():
+        torch.cuda.set_rng_state_all([state.cpu() for state in states["cuda"]])

@@ -17,11 +17,11 @@ from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv
 from tqdm import tqdm
 
 from adapt_envs.commands.doctor import processor, usable_cores
+from adapt_envs.commands.numbers import positive
 from adapt_envs.features.heightmap import heightmaps
 from adapt_envs.model.humanoid import PHYSICS_STEPS
 from adapt_envs.registration import env_id, make_vector
 from adapt_envs.vector_env import AdaptVectorEnv
-from sb3_adaptnet.commands.numbers import positive
 
 _NOISE = 0.05
 """Standard deviation of the noise on actions, which are in [-1, 1]."""

@@ -17,7 +17,7 @@ from typing import Any
 import torch
 from stable_baselines3 import PPO
 
-from sb3_adaptnet.commands.numbers import positive
+from adapt_envs.commands.numbers import positive
 from sb3_adaptnet.modules.encoder import StateEncoder
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.runs.experiment import Experiment, experiment

@@ -21,9 +21,8 @@ from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.history import read_rows
-from sb3_adaptnet.runs.random_state import random_states, restore_random_states
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
-from sb3_adaptnet.runs.saver import restore, snapshot
+from sb3_adaptnet.runs.saver import random_states, restore, restore_random_states, snapshot
 from sb3_adaptnet.runs.training import build_learner, resume, start
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
