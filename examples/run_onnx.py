@@ -17,11 +17,13 @@ parser.add_argument("graph", help="what `adaptnet export walk walk-stoop -o walk
 policy = onnxruntime.InferenceSession(parser.parse_args().graph)
 about = {key: json.loads(value) for key, value in policy.get_modelmeta().custom_metadata_map.items()}
 env = gym.make("AdaptNet/Humanoid-Walk-v0", max_episode_steps=-1)
+FLAT = np.zeros((1, 1, 35, 35), np.float32)
 ahead = {"goal_heading": 0.0, "goal_speed": 1.0}
 observation, _ = env.reset(seed=0, options=ahead)
 for step in range(301):
     strengths = np.full((1, len(about["adaptations"])), min(1.0, step / 150), np.float32)
-    (action,) = policy.run(None, {"observation": observation[None], "strengths": strengths})
+    given = {"observation": observation[None], "strengths": strengths, "heightmap": FLAT}
+    (action,) = policy.run(None, {wanted.name: given[wanted.name] for wanted in policy.get_inputs()})
     observation, reward, terminated, _, info = env.step(action[0])
     if step % 30 == 0 or terminated:
         head = observation[3 * 195 + 2 * 13 + 2]  # frame 3 (now), link 2 (head), component 2 (height)

@@ -15,6 +15,13 @@ def positive(text: str) -> int:
     return value
 
 
+def port_of(text: str) -> int:
+    """Parse a port's number; 0 stands for any free one."""
+    if not (text.isascii() and text.isdigit() and int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port, a number from 0 to 65535")
+    return int(text)
+
+
 def seconds_of(text: str) -> float:
     """Parse a positive number of seconds."""
     return _positive(text, "seconds")

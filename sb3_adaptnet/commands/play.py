@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from adapt_envs.commands.numbers import positive
+from adapt_envs.commands.numbers import port_of, positive
 from adapt_envs.drawing.scene import RenderingError
 from adapt_envs.drawing.world_view import Window
 from adapt_envs.simulation.worlds import Worlds
@@ -24,7 +24,7 @@ def add_parser(subparsers: Any) -> None:
     words = "where to show it; auto (default): a window where there is a display, else the browser"
     parser.add_argument("--view", choices=VIEWS, default="auto", help=words)
     parser.add_argument("--host", default="127.0.0.1", help="address to serve the browser at (default 127.0.0.1)")
-    parser.add_argument("--port", type=int, default=8080, help="port to serve the browser at (default 8080)")
+    parser.add_argument("--port", type=port_of, default=8080, help="port to serve the browser at (default 8080)")
     parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
     parser.add_argument("--steps", type=positive, help="leave after this many control steps; default: when closed")
     parser.set_defaults(run=run)
@@ -34,13 +34,14 @@ def run(options: argparse.Namespace) -> int:
     """Play until the window is closed or Ctrl-C."""
     loaded = open_from_options(options, num_worlds=1)
     controls = Controls.of(loaded.policy, loaded.env, loaded.style)
-    view = open_view(options, loaded.env.worlds, controls)
     try:
-        play(loaded.policy, loaded.env, view, controls, options.steps, options.seed)
+        view = open_view(options, loaded.env.worlds, controls)
+        try:
+            play(loaded.policy, loaded.env, view, controls, options.steps, options.seed)
+        finally:
+            view.close()
     except KeyboardInterrupt:
         print()
-    finally:
-        view.close()
     return 0
 
 

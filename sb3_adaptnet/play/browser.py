@@ -1,5 +1,6 @@
 """A view in the browser, with sliders: for machines without a display. Needs the optional package viser."""
 
+import socket
 import time
 
 import mujoco
@@ -30,12 +31,13 @@ class Browser:
         """Serve at `host` and `port` (or the next free port).
 
         Raises:
-            RenderingError: if viser is not installed.
+            RenderingError: if viser is not installed, or this machine cannot serve at `host`.
         """
         if viser is None:
             raise RenderingError(
                 "the view in the browser needs the package viser: pip install viser (or adaptnet-gym[play])"
             )
+        check_host(host)
         self._worlds = worlds
         self._data = mujoco.MjData(worlds.model)
         self._server = viser.ViserServer(host=host, port=port, verbose=False)
@@ -68,3 +70,16 @@ class Browser:
         """Stop serving."""
         self._open = False
         self._server.stop()
+
+
+def check_host(host: str) -> None:
+    """Refuse an address that this machine does not have: viser would look for a free port there for ever.
+
+    Raises:
+        RenderingError: naming it.
+    """
+    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
+        try:
+            probe.bind((host, 0))
+        except OSError as error:
+            raise RenderingError(f"the view in the browser cannot be served at {host!r}: {error}") from error

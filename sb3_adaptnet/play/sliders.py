@@ -5,8 +5,8 @@ from typing import Any
 
 from sb3_adaptnet.play.controls import Controls
 
-FASTEST, STRONGEST = 3.5, 1.5
-"""Ends of the sliders for the speed [m/s] and for alpha."""
+SLOWEST, FASTEST, STRONGEST = 0.1, 3.5, 1.5
+"""Ends of the sliders for the speed [m/s], unless a clip is slower or faster, and for alpha."""
 
 
 def add_sliders(gui: Any, controls: Controls) -> dict[str, Any]:
@@ -20,7 +20,7 @@ def add_sliders(gui: Any, controls: Controls) -> dict[str, Any]:
         Their handles by name.
     """
     made = {
-        "speed": gui.add_slider("speed [m/s]", min=0.1, max=FASTEST, step=0.05, initial_value=controls.speed),
+        "speed": gui.add_slider("speed [m/s]", **_around(controls.speed), step=0.05, initial_value=controls.speed),
         "heading": gui.add_slider("heading [deg]", min=-180, max=180, step=5, initial_value=0),
         "random goals": gui.add_checkbox("random goals", initial_value=controls.random_goals),
         "restart": gui.add_button("restart"),
@@ -37,6 +37,11 @@ def add_sliders(gui: Any, controls: Controls) -> dict[str, Any]:
         register = handle.on_click if name == "restart" else handle.on_update
         register(lambda event, name=name: take(controls, name, getattr(event.target, "value", True)))
     return made
+
+
+def _around(speed: float) -> dict[str, float]:
+    """The ends of the speed's slider."""
+    return {"min": min(SLOWEST, speed), "max": max(FASTEST, speed)}
 
 
 def take(controls: Controls, name: str, value: Any) -> None:

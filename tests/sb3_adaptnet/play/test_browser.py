@@ -57,6 +57,9 @@ def test_the_sliders_write_into_the_controls(fakes, tmp_path):
     for name, value in (("heading", 90), ("blend two", 0.25), ("alpha", 0.5), ("restart", True), ("speed", 0.7)):
         sliders[name].set(value)
     sliders["random goals"].set(True)
+    assert (sliders["speed"].min, sliders["speed"].max) == (0.1, 3.5)
+    sprint = Browser(env.worlds, Controls(speed=4.2)).sliders["speed"]
+    assert sprint.max == sprint.initial_value == 4.2
     assert controls.heading == pytest.approx(math.pi / 2) and controls.alpha == 0.5 and controls.speed == 0.7
     assert controls.weights == {"main": 0.5, "two": 0.25} and controls.restart and controls.random_goals
 
