@@ -27,8 +27,8 @@ async function begin(): Promise<void> {
   bindButtons(playground);
   await playground.build();
   const draw = (now: number) => {
+    requestAnimationFrame(draw); // first: one frame that fails is not the last one
     playground.frame(now);
-    requestAnimationFrame(draw);
   };
   requestAnimationFrame(draw);
   Object.assign(window, { playground }); // for the tests and the curious
@@ -40,10 +40,9 @@ function bindButtons(playground: Playground): void {
   };
   toggle("pause", () => (playground.paused = !playground.paused));
   toggle("slow", () => (playground.wishes.slow = !playground.wishes.slow));
-  element("slow").setAttribute("aria-pressed", String(playground.wishes.slow));
   element("reset").addEventListener("click", () => playground.restart());
   element("push").addEventListener("click", () => playground.push());
-  element("link").addEventListener("click", () => void copyLink());
+  element("link").addEventListener("click", () => void copyLink(playground.address()));
   window.addEventListener("keydown", (event) => {
     const id = SHORTCUTS[event.code];
     if (!id || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -54,9 +53,9 @@ function bindButtons(playground: Playground): void {
   });
 }
 
-async function copyLink(): Promise<void> {
+async function copyLink(link: string): Promise<void> {
   try {
-    await navigator.clipboard.writeText(location.href);
+    await navigator.clipboard.writeText(link);
     say("The link is copied.");
   } catch {
     say("The link is in the address bar.");

@@ -132,6 +132,7 @@ export class Panel {
     element("force-value").textContent = `${Math.round(wishes.force)} N`;
     for (const name of ["body", "lock", "ground"] as const) element<HTMLSelectElement>(name).value = wishes[name];
     element<HTMLInputElement>("compare").checked = wishes.compare;
+    element("slow").setAttribute("aria-pressed", String(wishes.slow));
     for (const radio of document.querySelectorAll<HTMLInputElement>("#bases input")) {
       radio.checked = radio.value === wishes.base;
     }

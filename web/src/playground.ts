@@ -22,8 +22,10 @@ const VIEWS: Record<string, Angles> = {
   flat: { azimuth: -0.85, elevation: 0.2, distance: 5.2 },
   blocks: { azimuth: -0.85, elevation: 0.72, distance: 7 },
 };
-/** Time [ms] between two updates of the figures and of the address. */
+/** Time [ms] between two updates of the figures. */
 const UPDATES = 250;
+/** Time [ms] between two updates of the address: browsers refuse more than some three in a second. */
+const ADDRESSES = 1000;
 
 export class Playground {
   wishes: Wishes;
@@ -41,6 +43,7 @@ export class Playground {
   private wanted = 0;
   private last = performance.now();
   private updated = 0;
+  private addressed = 0;
 
   constructor(
     readonly mujoco: Mujoco,
@@ -49,7 +52,7 @@ export class Playground {
   ) {
     this.wishes = wishesOf(location.hash || "#walk-stoop=1&compare", index, specification);
     this.panel = new Panel(index, specification, () => this.wishes, {
-      onTuned: () => void this.loadWeights(),
+      onTuned: () => void this.loadWeights().then((problem) => problem && say(problem, true)),
       onScene: () => void this.build(),
     });
     this.steering = new Steering((name) => element<HTMLButtonElement>(name).click());
@@ -66,19 +69,25 @@ export class Playground {
   build(): Promise<void> {
     const number = ++this.wanted;
     this.panel.show();
-    this.building = this.building.then(() => (number === this.wanted ? this.buildNow() : undefined));
-    return this.building.catch((error) => say(`This scene cannot be shown: ${(error as Error).message}`, true));
+    const failed = (error: Error) => {
+      if (number === this.wanted) say(`This scene cannot be shown: ${error.message}`, true);
+    };
+    // What is kept never fails: the next wish is built whatever became of this one.
+    this.building = this.building.then(() => this.buildNow(number)).catch(failed);
+    return this.building;
   }
 
-  private async buildNow(): Promise<void> {
-    const { wishes, specification } = this;
+  private async buildNow(number: number): Promise<void> {
+    if (number !== this.wanted) return;
+    const { wishes, specification, policy } = this;
     say("Loading…");
-    const [scene, ground] = await Promise.all([
+    const [scene, ground, problem] = await Promise.all([
       loadJson<Scene>(`data/scenes/${wishes.body}-${wishes.lock}-${wishes.ground}.json`),
       loadGround(wishes.ground),
       this.loadWeights(),
     ]);
-    if (!this.policy.ready) throw new Error(`the weights of the ${wishes.base} are not there`);
+    if (number !== this.wanted) return; // another wish came meanwhile, and is built next
+    if (!policy.ready) throw new Error(problem || `the weights of the ${wishes.base} are not there`);
     const before = this.theatre;
     this.theatre = null; // nothing is drawn of what is being closed
     await before?.close();
@@ -86,11 +95,11 @@ export class Playground {
     wishes.heading ??= scene.starts[wishes.base].heading;
     if (ground !== before?.ground) Object.assign(this.angles, VIEWS[wishes.ground] ?? VIEWS.flat);
     const onFailure = (error: Error) => say(`The simulation stopped: ${error.message}`, true);
-    this.theatre = new Theatre(this.stage, body, ground, this.policy, wishes, this.angles, onFailure);
+    this.theatre = new Theatre(this.stage, body, ground, policy, wishes, this.angles, onFailure);
     makeCaptions(this.theatre.walkers.length);
     this.panel.show();
     this.update();
-    say("");
+    say(problem, problem !== "");
   }
 
   private get policy(): Policy {
@@ -102,18 +111,25 @@ export class Playground {
     return this.policies.get(base)!;
   }
 
-  /** Load the weights of every adaptation that is to act and was not loaded yet. */
-  private async loadWeights(): Promise<void> {
-    const policy = this.policy;
-    const names = Object.entries(this.wishes.strengths).flatMap(([name, strength]) => (strength ? [name] : []));
+  /**
+   * Load the weights of every adaptation that is to act and was not loaded yet.
+   *
+   * Returns what went wrong in words, or nothing; what cannot act then has no strength.
+   */
+  private async loadWeights(): Promise<string> {
+    const { policy, wishes } = this;
+    const names = Object.entries(wishes.strengths).flatMap(([name, strength]) => (strength ? [name] : []));
     const missing = names.filter((name) => !policy.has(name));
     if (missing.length) this.panel.showLoading(missing);
+    let problem = "";
     try {
       await policy.add(names);
     } catch (error) {
-      say(`These weights cannot be loaded: ${(error as Error).message}`, true);
+      problem = `These weights cannot be loaded: ${(error as Error).message}`;
+      if (this.wishes === wishes) for (const name of names) if (!policy.has(name)) delete wishes.strengths[name];
     }
     if (missing.length) this.panel.showLoading([]);
+    return problem;
   }
 
   /** Push all characters from the side, as hard as the slider says. */
@@ -166,15 +182,28 @@ export class Playground {
   private update(): void {
     if (!this.theatre) return;
     showCaptions(this.theatre.walkers, this.wishes, this.index);
+    if (performance.now() - this.addressed > ADDRESSES) this.address();
+  }
+
+  /** The link to what is wished for now, which becomes the page's address. */
+  address(): string {
     const hash = hashOf(this.wishes);
-    if (hash !== location.hash) history.replaceState(null, "", hash);
+    if (hash !== location.hash) {
+      this.addressed = performance.now();
+      history.replaceState(null, "", hash);
+    }
+    return location.href;
   }
 }
 
 const grounds = new Map<string, Promise<Ground>>();
 
 function loadGround(name: string): Promise<Ground> {
-  if (!grounds.has(name)) grounds.set(name, fetchGround(name));
+  if (!grounds.has(name)) {
+    const loading = fetchGround(name);
+    loading.catch(() => grounds.delete(name)); // it is tried again when it is asked for again
+    grounds.set(name, loading);
+  }
   return grounds.get(name)!;
 }
 

@@ -27,9 +27,9 @@ export class Policy {
     private readonly mapSize: number,
   ) {}
 
-  /** Whether some adaptation that is loaded reads a heightmap. */
-  get readsHeightmap(): boolean {
-    return this.loaded.some((part) => part.heightmap);
+  /** Whether some adaptation that acts reads a heightmap; `strengths` has one record for each character. */
+  readsHeightmap(strengths: Record<string, number>[]): boolean {
+    return this.loaded.some((part) => part.heightmap && strengths.some((row) => row[part.name]));
   }
 
   /** Whether the base is there. */
@@ -41,16 +41,25 @@ export class Policy {
     return this.ready && this.loaded.some((part) => part.name === name);
   }
 
-  /** Load adaptations by name, beside those that are there; the base comes with the first call. */
+  /**
+   * See that adaptations are loaded; others, which cost time at any strength, may go.
+   *
+   * The base comes with the first call, even if they cannot be had.
+   */
   async add(names: string[]): Promise<void> {
-    const work = this.queue.then(() => this.addNow(names));
+    const work = this.queue.then(() =>
+      this.addNow(names).catch(async (error) => {
+        if (!this.ready) await this.addNow([]);
+        throw error;
+      }),
+    );
     this.queue = work.catch(() => undefined);
     return work;
   }
 
   private async addNow(names: string[]): Promise<void> {
     if (this.session && names.every((name) => this.has(name))) return;
-    const wanted = this.adaptations.filter((part) => names.includes(part.name) || this.loaded.includes(part));
+    const wanted = this.adaptations.filter((part) => names.includes(part.name));
     const parts = [...wanted.filter((part) => !part.heightmap), ...wanted.filter((part) => part.heightmap)];
     const maps = parts.filter((part) => part.heightmap).length;
     const [graph] = await Promise.all([
@@ -76,7 +85,8 @@ export class Policy {
   /**
    * Actions of N characters, one row each.
    *
-   * `strengths` has one record for each character; adaptations that are not loaded do not act.
+   * `strengths` has one record for each character; adaptations that are not loaded do not act. `heightmaps` may be
+   * empty where `readsHeightmap` says so.
    */
   async act(
     observations: Float32Array,
@@ -93,7 +103,8 @@ export class Policy {
       feeds.strengths = new ort.Tensor("float32", Float32Array.from(rows), [n, loaded.length]);
     }
     if (loaded.some((part) => part.heightmap)) {
-      feeds.heightmap = new ort.Tensor("float32", heightmaps, [n, 1, this.mapSize, this.mapSize]);
+      const maps = heightmaps.length ? heightmaps : new Float32Array(n * this.mapSize ** 2);
+      feeds.heightmap = new ort.Tensor("float32", maps, [n, 1, this.mapSize, this.mapSize]);
     }
     const answer = session.run(feeds);
     this.running = answer.catch(() => undefined);

@@ -64,13 +64,13 @@ export class Simulation {
 
   private async act(): Promise<void> {
     const { walkers, wish, policy } = this;
-    const maps = policy.readsHeightmap;
+    const strengths = walkers.map((_, i) => (i === 0 ? wish.strengths : {}));
+    const maps = policy.readsHeightmap(strengths);
     for (const walker of walkers) {
       walker.aim(wish.heading ?? 0, wish.speed);
       walker.look();
       if (maps) walker.lookAround();
     }
-    const strengths = walkers.map((_, i) => (i === 0 ? wish.strengths : {}));
     const actions = await policy.act(
       joined(walkers.map((walker) => walker.observation)),
       maps ? joined(walkers.map((walker) => walker.heightmap)) : NOTHING,

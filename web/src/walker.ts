@@ -18,6 +18,7 @@ export class Walker {
   readonly heightmap: Float32Array;
   goal: Goal = { target: [0, 0], speed: 1 };
   falls = 0;
+  /** Control steps since the last start. */
   steps = 0;
   private lying = 0;
   private rewards: number[] = [];
@@ -61,6 +62,7 @@ export class Walker {
     this.motion.restart(qpos, qvel);
     this.history.set(history);
     this.lying = 0;
+    this.steps = 0;
     this.rewards = [];
     this.path = [];
     this.endPush();

@@ -197,14 +197,52 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     expect(Math.hypot(...force)).toBeGreaterThan(50);
   });
 
+  test("a tap on the character does not push it", async () => {
+    const visited = await visit(site, "#base=walk");
+    await visited.page.click("#pause");
+    const box = await visited.page.evaluate(() => {
+      const { camera, middle } = playground.theatre!.targets()[0];
+      const seen = middle.clone().setZ(middle.z + 0.4).project(camera);
+      const box = document.getElementById("stage")!.getBoundingClientRect();
+      return { x: box.left + ((seen.x + 1) / 2) * box.width, y: box.top + ((1 - seen.y) / 2) * box.height };
+    });
+    await visited.page.mouse.click(box.x, box.y);
+    expect(await visited.page.evaluate(() => playground.theatre!.walkers[0].force)).toEqual([0, 0]);
+  });
+
+  test("a scene that cannot be fetched is not the last one", async () => {
+    const visited = await visit(site, "#base=walk");
+    await visited.page.setOfflineMode(true);
+    await visited.page.select("#ground", "hills");
+    await visited.page.waitForFunction("document.getElementById('note').classList.contains('error')", PATIENCE);
+    await visited.page.setOfflineMode(false);
+    await visited.page.select("#ground", "ice");
+    await visited.page.waitForFunction("playground.theatre?.ground.file.friction < 0.2", PATIENCE);
+    await visited.page.select("#ground", "hills");
+    await visited.page.waitForFunction("playground.theatre && !playground.theatre.ground.endless", PATIENCE);
+    expect(await visited.page.evaluate(() => document.getElementById("note")!.textContent)).toBe("");
+  });
+
+  test("who changes their mind while a scene loads gets the last one", async () => {
+    const visited = await visit(site, "#base=walk");
+    await visited.page.evaluate(() => {
+      const choose = (base: string) => document.querySelector<HTMLInputElement>(`#bases [value=${base}]`)!.click();
+      for (const base of ["run", "walk", "run"]) choose(base);
+    });
+    await visited.page.waitForFunction("playground.theatre?.walkers[0].base === 'run'", PATIENCE);
+    await simulated(visited, 1);
+    expect((await state(visited)).falls).toBe(0);
+    clean(visited);
+  });
+
   test("body, lock, ground and base can be chosen, and the link restores them", async () => {
-    const visited = await visit(site, "");
+    const visited = await visit(site, "#base=walk"); // without a hash the base is shown already
     await visited.page.evaluate(() => document.querySelector<HTMLInputElement>("#bases [value=run]")!.click());
     await visited.page.select("#body", "long_shins");
     await visited.page.select("#lock", "right_knee");
     await visited.page.select("#ground", "ice");
     await visited.page.click("#compare");
-    await visited.page.waitForFunction("playground.theatre.ground.file.friction < 0.2 && playground.theatre.walkers.length == 2", PATIENCE);
+    await visited.page.waitForFunction("playground.theatre?.ground.file.friction < 0.2 && playground.theatre.walkers.length == 2", PATIENCE);
     await visited.page.waitForFunction("location.hash.includes('ice') && location.hash.includes('compare')", PATIENCE);
     const hash = await visited.page.evaluate(() => location.hash);
     const again = await visit(site, hash);
@@ -213,6 +251,17 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     expect(await again.page.evaluate(() => playground.theatre!.walkers[0].body.model.nu)).toBe(27);
     clean(visited);
     clean(again);
+  });
+
+  test("a link that is copied at once says what was just chosen", async () => {
+    const visited = await visit(site, "#base=walk");
+    const copied = await visited.page.evaluate(() => {
+      return new Promise<string>((done) => {
+        navigator.clipboard.writeText = async (text) => done(text);
+        for (const id of ["compare", "slow", "link"]) document.getElementById(id)!.click();
+      });
+    });
+    expect(copied).toMatch(/#base=walk&.*&compare&slow$/);
   });
 
   test.each([
@@ -304,6 +353,8 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     const { heading, speed } = await visited.page.evaluate(() => playground.wishes);
     expect(heading).not.toBe(0);
     expect(speed).toBeGreaterThan(1.8);
+    await visited.page.evaluate("fake.axes[0] = 0.05"); // at rest, or nearly: the keys steer
+    await held(visited, "KeyA", `playground.wishes.heading !== ${heading}`);
   });
 
   test("memory stays bounded over two minutes and many scenes", async () => {
@@ -322,6 +373,9 @@ describe.skipIf(!CHROMIUM)("the page", () => {
       await visited.page.select("#ground", ground);
       await visited.page.select("#body", body);
       await visited.page.evaluate("playground.building");
+      // What was never drawn is not on the graphics card, and is neither counted nor freed there.
+      const frames = await visited.page.evaluate(() => playground.frames);
+      await visited.page.waitForFunction(`playground.frames > ${frames}`, PATIENCE);
       await simulated(visited, 1);
     };
     const round = async () => {

@@ -5,8 +5,8 @@ import * as THREE from "three";
 import type { Angles } from "../view/orbit";
 import { clipped, PUSHES } from "../wishes";
 
-/** Newtons for each metre that the character is pulled. */
-const PULL = 350;
+/** Newtons for each metre that the character is pulled, and how far [pixels] a pointer moves before it pulls. */
+const [PULL, STILL] = [350, 6];
 /** Half a character's height, and how far from its axis it can be grasped [m]. */
 const [HALF_HEIGHT, NEAR] = [0.75, 0.28];
 const [TURN, TILT, ZOOM] = [0.006, 0.004, 0.0012];
@@ -21,9 +21,17 @@ export interface Target {
   box: { x: number; y: number; w: number; h: number };
 }
 
+/** A pull that has begun: the level plane through the place that was grasped, and where a pointer is on it. */
+interface Pull {
+  target: Target;
+  level: THREE.Plane;
+  from: THREE.Vector3;
+  event: PointerEvent;
+}
+
 export class Pointer {
   private readonly active = new Map<number, PointerEvent>();
-  private pulled: Target | null = null;
+  private pulled: Pull | null = null;
   private readonly caster = new THREE.Raycaster();
 
   constructor(
@@ -42,15 +50,22 @@ export class Pointer {
   private down(event: PointerEvent): void {
     this.active.set(event.pointerId, event);
     const first = this.active.size === 1;
-    this.pulled = first ? (this.targets().find((target) => this.hits(event, target)) ?? null) : null;
+    this.pulled = first ? this.grasp(event) : null;
     this.canvas.classList.toggle("pulling", this.pulled !== null);
     this.canvas.setPointerCapture(event.pointerId);
   }
 
-  /** Whether a pointer is on a character, or nearly: limbs that move are hard to hit. */
-  private hits(event: PointerEvent, target: Target): boolean {
-    const [feet, head] = [-1, 1].map((side) => target.middle.clone().setZ(target.middle.z + side * HALF_HEIGHT));
-    return this.aim(event, target) && this.caster.ray.distanceSqToSegment(feet, head) < NEAR ** 2;
+  /** Grasp the character that a pointer is on, or nearly: limbs that move are hard to hit. */
+  private grasp(event: PointerEvent): Pull | null {
+    for (const target of this.targets()) {
+      const [feet, head] = [-1, 1].map((side) => target.middle.clone().setZ(target.middle.z + side * HALF_HEIGHT));
+      const from = new THREE.Vector3();
+      if (!this.aim(event, target)) continue;
+      if (this.caster.ray.distanceSqToSegment(feet, head, undefined, from) >= NEAR ** 2) continue;
+      const level = new THREE.Plane(new THREE.Vector3(0, 0, 1), -from.z);
+      return { target, level, from: this.caster.ray.intersectPlane(level, new THREE.Vector3()) ?? from, event };
+    }
+    return null;
   }
 
   /** Aim the ray at a pointer's place; false if it is outside the target's view. */
@@ -81,15 +96,17 @@ export class Pointer {
   }
 
   private up(event: PointerEvent): void {
-    const target = this.pulled;
+    const pulled = this.pulled;
     this.end(event);
-    if (!target) return;
+    if (!pulled) return;
+    const { target, level, from, event: begun } = pulled;
+    if (Math.hypot(event.clientX - begun.clientX, event.clientY - begun.clientY) < STILL) return;
     this.aim(event, target);
-    const level = new THREE.Plane(new THREE.Vector3(0, 0, 1), -target.middle.z);
-    const point = this.caster.ray.intersectPlane(level, new THREE.Vector3());
-    const pull = (point ?? target.camera.position.clone()).sub(target.middle).setZ(0);
-    const force = clipped(PULL * pull.length(), PUSHES);
-    pull.normalize().multiplyScalar(point ? force : -force);
+    const to = this.caster.ray.intersectPlane(level, new THREE.Vector3());
+    // Above the horizon no place is meant, but a direction.
+    const pull = (to ? to.sub(from) : this.caster.ray.direction.clone()).setZ(0);
+    const force = to ? clipped(PULL * pull.length(), PUSHES) : PUSHES[1];
+    pull.normalize().multiplyScalar(force);
     this.push(pull.x, pull.y);
   }
 

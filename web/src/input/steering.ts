@@ -33,8 +33,10 @@ export class Steering {
   private press(event: KeyboardEvent): void {
     if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey) return;
     const arrows = event.code.startsWith("Arrow");
-    if (arrows && event.target instanceof Element && event.target.closest("input, select, [role=radiogroup]")) return;
-    if (arrows) event.preventDefault(); // the page must not scroll
+    const on = (kinds: string) => event.target instanceof Element && event.target.closest(kinds) !== null;
+    if (arrows && on("input, select, [role=radiogroup]")) return;
+    // Arrows must not scroll the page, nor letters choose from a list that still has the focus.
+    if (arrows || on("select")) event.preventDefault();
     this.held.add(event.code);
   }
 
@@ -63,7 +65,8 @@ export class Steering {
       if (down) this.pressed.add(Number(button));
       else this.pressed.delete(Number(button));
     }
-    return [pad.axes[0] ?? 0, -(pad.axes[1] ?? 0)];
+    const stick: [number, number] = [pad.axes[0] ?? 0, -(pad.axes[1] ?? 0)];
+    return Math.hypot(...stick) < DEAD_ZONE ? null : stick; // at rest it leaves the steering to the keys
   }
 }
 

@@ -13,6 +13,8 @@ const SHADOWS = 5;
 
 /** Frames that take longer than this [s] on average are too slow; so many frames pass between two measures. */
 const [SLOW_FRAME, SETTLING] = [1 / 36, 40];
+/** A frame that takes longer [s] by itself was not slow to draw: the page was hidden, or busy with loading. */
+const PAUSE = 0.1;
 const COARSEST = 0.5;
 
 export interface View {
@@ -30,6 +32,7 @@ export class Stage {
   private sharpness = 1;
   private pace = 1 / 60;
   private settled = 0;
+  private paused = false;
   private readonly sun = new THREE.DirectionalLight(0xfff8ee, 2.3);
 
   constructor(readonly canvas: HTMLCanvasElement) {
@@ -52,6 +55,9 @@ export class Stage {
 
   /** Draw with less where frames take too long: first fewer pixels, then no shadows. Never back: that would flicker. */
   ease(seconds: number): void {
+    const after = this.paused;
+    this.paused = seconds > PAUSE;
+    if (this.paused && !after) return;
     this.pace += 0.05 * (seconds - this.pace);
     this.settled += 1;
     if (this.pace < SLOW_FRAME || this.settled < SETTLING) return;
@@ -68,6 +74,7 @@ export class Stage {
     if (size.x === width && size.y === height && this.renderer.getPixelRatio() === ratio) return false;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
+    this.canvas.parentElement!.classList.toggle("stacked", isStacked(width, height)); // the captions follow
     return true;
   }
 
