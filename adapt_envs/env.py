@@ -68,10 +68,11 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
     to stand on the ground.
 
     ## Episode end
-    `info["end"]` names why: `fall` (any link but the feet touches the ground or an obstacle), `lost` (3 m farther from
-    the target than when it was sampled), `diverged` (the physics broke down; the last finite observation is returned
-    and `info["diverged_worlds"]` counts), all `terminated`. After 300 steps it is `truncated`: under `gym.make` by
-    Gymnasium's `TimeLimit`, which names no reason; of an `AdaptEnv` or `AdaptVectorEnv` by itself, `time`.
+    `info["end"]` names why: `fall` (any link but the feet touches the ground or an obstacle; on uneven ground, one
+    lower than 0.15 m), `lost` (3 m farther from the target than when it was sampled), `diverged` (the physics broke
+    down; the last finite observation is returned and `info["diverged_worlds"]` counts), all `terminated`. After 300
+    steps it is `truncated`: under `gym.make` by Gymnasium's `TimeLimit`, which names no reason; of an `AdaptEnv` or
+    `AdaptVectorEnv` by itself, `time`.
 
     ## Arguments
     See `__init__`; `reset(options={"goal_heading": rad, "goal_speed": m/s, "start": number})` holds the goal ahead in a

@@ -22,6 +22,8 @@ EPISODE_STEPS = 300
 """Control steps until the time limit: 10 s."""
 ICE_WALK, ICE_RUN = 0.15, 0.35
 """Sliding friction of ice; paper, sec. 8.3."""
+FALL_HEIGHT = 0.15
+"""On uneven ground a link that touches it has fallen if it is lower than this [m]: the authors' release."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ class TaskSpec:
         terrain_seed: seed of terrain and obstacles; `reset(seed=...)` is for spawns and goals only.
         obstacles: how blocks are laid out, or the layout's name in `OBSTACLES`; None for free ground.
         heightmap: whether the observation holds a heightmap of the ground around the character.
+        fall_height: a link that touches the ground from this height [m] or more has not fallen; None if any touch is a
+            fall. Counted from its origin, a shin's being the knee; see `tasks.termination`.
         push: when and how hard the character is pushed; None for never.
         clip_on_body: whether reference windows show the clip on this body, with its joint angles, and not on the plain
             character (paper, sec. 8.2: motions are not retargeted).
@@ -58,6 +62,7 @@ class TaskSpec:
     terrain_seed: int = 0
     obstacles: str | ObstacleField | None = None
     heightmap: bool = False
+    fall_height: float | None = None
     push: PushSchedule | None = None
     clip_on_body: bool = False
 
@@ -134,7 +139,13 @@ SUITE: dict[str, TaskSpec] = {
     "IceWalk": replace(_WALK, friction=ICE_WALK, summary="Walk on ice of friction 0.15."),
     "IceRun": replace(_RUN, friction=ICE_RUN, summary="Run on ice of friction 0.35."),
     **{
-        name: replace(_WALK, terrain=kind, heightmap=True, summary=f"Walk on {words}, seen through a heightmap.")
+        name: replace(
+            _WALK,
+            terrain=kind,
+            heightmap=True,
+            fall_height=FALL_HEIGHT,
+            summary=f"Walk on {words}, seen through a heightmap.",
+        )  # fmt: skip
         for name, (kind, words) in _TERRAIN.items()
     },
     "Obstacles": replace(

@@ -58,7 +58,7 @@ def recorded(policy_name: str, body: str, lock: str, ground: str) -> dict[str, A
         action = policy.predict(seen, deterministic=True)[0]
         row = (
             worlds.physics.qpos, worlds.physics.qvel, action, short(seen["observation"]),
-            short(seen["heightmap"]) if step % HEIGHTMAP_EVERY == 0 else [None], worlds.physics.fallen(),
+            short(seen["heightmap"]) if step % HEIGHTMAP_EVERY == 0 else [None], worlds.fallen,
             np.column_stack([worlds.goals.target, worlds.goals.speed]),
         )  # fmt: skip
         for name, values in zip(NAMES, row, strict=True):

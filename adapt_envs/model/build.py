@@ -6,16 +6,18 @@ from functools import cache
 import mujoco
 
 from adapt_envs.model.ground import Ground
-from adapt_envs.model.humanoid import add_servos, load_spec
+from adapt_envs.model.humanoid import FEET, LINKS, add_servos, load_spec
 from adapt_envs.model.locks import lock
 from adapt_envs.model.morphology import Morphology, reshape
 
 FALL_SENSOR = "fall"
 """Prefix of the contact sensors that report links other than feet touching anything static."""
-_FALL_PARTS = (
-    ("subtree", "torso"), ("body", "pelvis"),
-    ("body", "right_thigh"), ("body", "right_shin"), ("body", "left_thigh"), ("body", "left_shin"),
-)  # fmt: skip
+_ALONE = ("pelvis", "right_thigh", "right_shin", "left_thigh", "left_shin")
+FALL_PARTS: dict[str, tuple[str, ...]] = {
+    "torso": tuple(name for name in LINKS if name not in (*_ALONE, *FEET)),
+    **{name: (name,) for name in _ALONE},
+}
+"""What must not touch the ground: parts by the name of their first link -> their links, in the sensors' order."""
 
 
 def add_fall_sensors(spec: mujoco.MjSpec) -> None:
@@ -23,9 +25,9 @@ def add_fall_sensors(spec: mujoco.MjSpec) -> None:
 
     Six sensors cover the 13 links that must not touch the ground: the torso's whole subtree is one of them.
     """
-    for kind, name in _FALL_PARTS:
+    for name, links in FALL_PARTS.items():
         sensor = spec.add_sensor(name=f"{FALL_SENSOR}_{name}", type=mujoco.mjtSensor.mjSENS_CONTACT)
-        sensor.objtype = mujoco.mjtObj.mjOBJ_XBODY if kind == "subtree" else mujoco.mjtObj.mjOBJ_BODY
+        sensor.objtype = mujoco.mjtObj.mjOBJ_XBODY if len(links) > 1 else mujoco.mjtObj.mjOBJ_BODY
         sensor.objname = name
         sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_BODY, "world"
         sensor.intprm[0] = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND)

@@ -27,12 +27,14 @@ class SiteGround:
     Attributes:
         ground: what characters stand on.
         friction: its sliding friction.
+        fall_height: links that touch from higher than this [m] have not fallen; None if any touch is a fall.
         reach: targets stay within this distance [m] from the origin along x and y; infinite on endless ground.
         spawn: x, y [m] and heading [rad] of where characters start.
     """
 
     ground: Ground
     friction: float
+    fall_height: float | None
     reach: float
     spawn: tuple[float, float, float]
 
@@ -44,7 +46,8 @@ class SiteGround:
     def to_json(self) -> dict[str, Any]:
         """JSON values: heights go into a file of their own."""
         surface, blocks = self.ground.surface, self.ground.obstacles
-        values: dict[str, Any] = {"friction": self.friction, "reach": self.reach if np.isfinite(self.reach) else None}
+        reach = self.reach if np.isfinite(self.reach) else None
+        values: dict[str, Any] = {"friction": self.friction, "fall_height": self.fall_height, "reach": reach}
         if surface is not None:
             rows, columns = surface.heights.shape
             low = [float(v) for v in surface.low]
@@ -67,14 +70,14 @@ def site_ground(name: str) -> SiteGround:
     terrain, obstacles = entry("terrain", TERRAINS, row.terrain), entry("obstacles", OBSTACLES, row.obstacles)
     ground = make_ground(terrain, obstacles, row.terrain_seed)
     if ground.patches is None:
-        return SiteGround(ground, row.friction, np.inf, (0.0, 0.0, 0.0))
+        return SiteGround(ground, row.friction, row.fall_height, np.inf, (0.0, 0.0, 0.0))
     rng, reach = np.random.default_rng(_SPAWN_SEED), ground.patches.half
     if ground.surface is not None:
         ground, reach = Ground(_middle(ground.surface), ground.obstacles, ground.patches), SIDE / 2
     xy, heading = ground.spawns(200, rng)
     nearest = int(np.abs(xy).max(axis=1).argmin())
     spawn = float(xy[nearest, 0]), float(xy[nearest, 1]), float(heading[nearest])
-    return SiteGround(ground, row.friction, reach, spawn)
+    return SiteGround(ground, row.friction, row.fall_height, reach, spawn)
 
 
 def _middle(surface: Surface) -> Surface:

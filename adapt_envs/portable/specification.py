@@ -5,7 +5,7 @@ from typing import Any
 from adapt_envs.features.heading_frame import GOAL_SIZE, OBSERVATION_SIZE, OBSERVED_FRAMES
 from adapt_envs.features.heightmap import AHEAD, ASIDE, SIZE
 from adapt_envs.features.kinematics import LINK_STATE
-from adapt_envs.model.build import FALL_SENSOR
+from adapt_envs.model.build import FALL_PARTS, FALL_SENSOR
 from adapt_envs.model.humanoid import CONTROL_DT, LINKS, PHYSICS_STEPS, joint_names
 from adapt_envs.model.patch_grid import INSET
 from adapt_envs.model.terrain import GRID
@@ -51,7 +51,7 @@ def observation_specification() -> dict[str, Any]:
         "joints": list(joint_names()),
         "control_hz": round(1 / CONTROL_DT),
         "physics_steps": PHYSICS_STEPS,
-        "fall_sensors": FALL_SENSOR,
+        "fall_sensors": {f"{FALL_SENSOR}_{part}": list(links) for part, links in FALL_PARTS.items()},
         "task": {
             "goal_radius": GOAL_RADIUS,
             "no_direction": NO_DIRECTION,

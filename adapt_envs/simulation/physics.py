@@ -80,9 +80,9 @@ class PhysicsBatch:
         """Write the link states (n, 15, 13) of the worlds `ids`, world frame, into `out` (see `kinematics`)."""
         self._links.read(out, ids)
 
-    def fallen(self) -> NDArray[np.bool_]:
-        """(N,) bool: any link but the feet touches the ground or another static body."""
-        return (self._sensordata[:, self._fall_columns] > 0).any(axis=1)
+    def touching(self) -> NDArray[np.bool_]:
+        """(N, 6) bool: which of `FALL_PARTS` touch the ground or another static body."""
+        return self._sensordata[:, self._fall_columns] > 0
 
     def set_states(self, ids: NDArray[np.integer], qpos: NDArray[np.floating], qvel: NDArray[np.floating]) -> None:
         """Restart the worlds `ids` at (n, nq) and (n, nv), with warm starts and pushes cleared."""

@@ -19,6 +19,7 @@ from adapt_envs.model.obstacles import OBSTACLES
 from adapt_envs.model.soles import sole_corners
 from adapt_envs.model.terrain import TERRAINS
 from adapt_envs.motion.library import reference_motion
+from adapt_envs.simulation.falls import fallen
 from adapt_envs.simulation.gait_cycles import gait_cycles
 from adapt_envs.simulation.physics import PhysicsBatch
 from adapt_envs.simulation.spawn import moved, standing_lift
@@ -113,6 +114,12 @@ class Worlds:
         return self._tracking.copy()
 
     @property
+    def fallen(self) -> NDArray[np.bool_]:
+        """(N,) whose character lies or touches what it must not, now; see `falls.fallen`."""
+        positions = self.history[:, -1, :, :3]
+        return fallen(self.physics.touching(), positions, self.ground, self.spec.fall_height)
+
+    @property
     def _positions(self) -> NDArray[np.float32]:
         """(N, 15, 3) of the links [m] now, heading frame."""
         return self._features[:, -1, :, :3]
@@ -192,7 +199,7 @@ class Worlds:
         reward[diverged] = 0
         left = np.linalg.norm(self.goals.target - after, axis=1)
         timed_out = self.steps >= max_steps if max_steps is not None else np.zeros(len(left), bool)
-        code = ends(self.physics.fallen(), left > self.goals.distance + LOST_DISTANCE, diverged, timed_out)
+        code = ends(self.fallen, left > self.goals.distance + LOST_DISTANCE, diverged, timed_out)
         renewed = np.flatnonzero(self.goals.expire() & (code == RUNNING))
         self.goals.sample(renewed, after[renewed], self.root_heading[renewed], self.rng)
         self._features = heading_frame_features(self.history, self.ground.floor_at(after))

@@ -36,6 +36,14 @@ def _friction(name: str, value: Any) -> float:
     return float(value)
 
 
+def _height(name: str, value: Any) -> float | None:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < float("inf"):
+        raise ValueError(f"{name} is {value!r}, expected a positive number of metres, or None")
+    return float(value)
+
+
 def _seed(name: str, value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, Integral) or value < 0:
         raise ValueError(f"{name} is {value!r}, expected a whole number from 0")
@@ -91,6 +99,7 @@ CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "terrain_seed": _seed,
     "obstacles": _named(ObstacleField, "an ObstacleField"),
     "heightmap": _yes_or_no,
+    "fall_height": _height,
     "push": _push,
     "clip_on_body": _yes_or_no,
 }

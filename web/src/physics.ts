@@ -15,7 +15,7 @@ export class Body {
   readonly model: MjModel;
   readonly actuators: number[];
   readonly torso: number;
-  readonly fallSensors: number[];
+  readonly fallParts: { sensor: number; links: number[] }[];
   readonly firstLink: number;
 
   constructor(
@@ -33,18 +33,14 @@ export class Body {
     this.actuators = scene.joints.map((joint) => specification.joints.indexOf(joint));
     this.torso = this.id("mjOBJ_BODY", specification.push.link);
     this.firstLink = this.id("mjOBJ_BODY", specification.links[0]);
-    this.fallSensors = this.sensors(specification.fall_sensors);
+    this.fallParts = Object.entries(specification.fall_sensors).map(([name, links]) => ({
+      sensor: this.model.sensor_adr[this.id("mjOBJ_SENSOR", name)],
+      links: links.map((link) => this.id("mjOBJ_BODY", link)),
+    }));
   }
 
   private id(kind: "mjOBJ_BODY" | "mjOBJ_SENSOR", name: string): number {
     return this.mujoco.mj_name2id(this.model, this.mujoco.mjtObj[kind].value, name);
-  }
-
-  private sensors(prefix: string): number[] {
-    const kind = this.mujoco.mjtObj.mjOBJ_SENSOR.value;
-    const names = Array.from({ length: this.model.nsensor }, (_, i) => this.mujoco.mj_id2name(this.model, kind, i));
-    const found = names.flatMap((name, i) => (name?.startsWith(prefix) ? [i] : []));
-    return found.map((i) => this.model.sensor_adr[i]);
   }
 
   close(): void {
@@ -106,9 +102,12 @@ export class Motion {
     this.body.mujoco.mj_kinematics(this.body.model, this.data);
   }
 
-  get fallen(): boolean {
+  /** Whether it touches what stands still with a part that must not, one of whose links is `low`. */
+  touches(low: (x: number, y: number, z: number) => boolean): boolean {
     const sensors = this.data.sensordata as Float64Array;
-    return this.body.fallSensors.some((at) => sensors[at] > 0);
+    const xpos = this.data.xpos as Float64Array;
+    const isLow = (link: number) => low(xpos[3 * link], xpos[3 * link + 1], xpos[3 * link + 2]);
+    return this.body.fallParts.some(({ sensor, links }) => sensors[sensor] > 0 && links.some(isLow));
   }
 
   /** Write the states of the links in the world into `out`, as the specification lays them out. */

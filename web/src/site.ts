@@ -13,7 +13,8 @@ export interface Specification {
   joints: string[];
   control_hz: number;
   physics_steps: number;
-  fall_sensors: string;
+  /** Names of sensors that tell a touch, with the links that it may be. */
+  fall_sensors: Record<string, string[]>;
   task: { goal_radius: number; no_direction: number; sharpness: number; edge: number };
   bases: Record<string, { speeds: [number, number]; held_seconds: number }>;
   push: { link: string; force: number; seconds: number };
@@ -62,6 +63,8 @@ export interface Scene {
 
 export interface GroundFile {
   friction: number;
+  /** A link that touches from higher than this [m] has not fallen; null if any touch is a fall. */
+  fall_height: number | null;
   reach: number | null;
   surface?: { rows: number; columns: number; grid: number; low: [number, number]; lowest: number; highest: number };
   blocks?: Record<"x" | "y" | "half_x" | "half_y" | "yaw" | "top", number[]>;

@@ -143,11 +143,17 @@ export class Walker {
     this.motion.writeLinks(this.history.subarray(this.now));
     this.steps += 1;
     this.measure(before);
-    if (this.lying > 0 || this.motion.fallen) {
+    if (this.lying > 0 || this.fallen) {
       if (this.lying === 0) this.falls += 1;
       this.lying += 1 / specification.control_hz;
       if (this.lying > LYING) this.restart({ xy: this.rootXY, heading: this.headingToGoal() });
     }
+  }
+
+  /** As the environments count falls: on uneven ground a shin may brush a step. */
+  get fallen(): boolean {
+    const limit = this.ground.file.fall_height;
+    return this.motion.touches((x, y, z) => limit === null || z - this.ground.floorAt(x, y) < limit);
   }
 
   /** Go on from another state of the present moment. */

@@ -64,7 +64,7 @@ function replayed(world: World, synchronise: number) {
     walker.goal = { target: [world.goals[step][0], world.goals[step][1]], speed: world.goals[step][2] };
     walker.look();
     found.observations = Math.max(found.observations, worst(walker.observation, world.observations[step]));
-    found.falls += Number(walker.motion.fallen !== world.fallen[step]);
+    found.falls += Number(walker.fallen !== world.fallen[step]);
     const heights = world.heightmaps[step];
     if (heights) {
       walker.lookAround();

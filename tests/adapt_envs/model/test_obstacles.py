@@ -97,7 +97,7 @@ def touching(offset):
     data = mujoco.MjData(worlds.model)
     worlds.physics.mujoco_data(0, data)
     names = {worlds.model.geom(int(geom)).name for contact in data.contact for geom in contact.geom}
-    return bool(worlds.physics.fallen()[0]), names
+    return bool(worlds.fallen[0]), names
 
 
 def test_touching_a_block_with_a_foot_alone_is_no_fall():

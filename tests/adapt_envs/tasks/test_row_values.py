@@ -29,6 +29,8 @@ REFUSED = [
     ({"terrain_seed": -1}, "terrain_seed is -1, expected a whole number from 0"),
     ({"obstacles": True}, "obstacles is True, expected a name, an ObstacleField, or None"),
     ({"heightmap": "no"}, "heightmap is 'no', expected True or False"),
+    ({"fall_height": 0}, "fall_height is 0, expected a positive number of metres, or None"),
+    ({"fall_height": "low"}, "fall_height is 'low', expected a positive number of metres, or None"),
     ({"push": 1000}, "push is 1000, expected a PushSchedule"),
     ({"clip_on_body": 1}, "clip_on_body is 1, expected True or False"),
 ]
