@@ -3,9 +3,9 @@
 What counts as a fall is decided by contact sensors (`model/build.py` adds them) and, on uneven ground, by heights
 (`simulation/falls.py`). On flat ground and among obstacles a link that is no foot falls as soon as it touches, however
 high it is: nobody leans on a block with a hand. The authors' release also asks that the link be less than 0.15 m above
-the ground, and on uneven ground so do these environments (`fall_height`): a shin that brushes the edge of a step, its
-knee up in the air, ended half of the episodes of who had learned to walk there, and they would have walked on. Of those
-who had not, nearly every fall is one by either rule.
+the ground, and on uneven ground so do these environments (`fall_height`): of what ended the walks of who had learned to
+walk there every second to fourth was a shin that brushed the edge of a step, its knee up in the air, and they would
+have walked on. Of who had not learned it nearly every fall is one by either rule.
 """
 
 import numpy as np
