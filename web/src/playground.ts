@@ -59,8 +59,9 @@ export class Playground {
     bindPad(element("pad"), element("knob"), (place) => (this.steering.pad = place));
     const targets = () => this.theatre?.targets() ?? [];
     new Pointer(this.stage.canvas, this.angles, targets, (x, y) => this.theatre?.push(x, y));
-    window.addEventListener("hashchange", () => {
-      this.wishes = wishesOf(location.hash, index, specification);
+    window.addEventListener("hashchange", ({ newURL }) => {
+      // Not of `location`: a frame in between may have written the wishes of before there again.
+      this.wishes = wishesOf(new URL(newURL).hash, index, specification);
       void this.build();
     });
   }
