@@ -13,7 +13,7 @@ from sb3_adaptnet.weights.shipped import pretrained_path
     [
         ("walk-penguin", "style", {"motion": "Penguin", "speed_range": None}),
         ("walk-icewalk", "ground", {"friction": 0.15}),
-        ("walk-terrainhills", "ground", {"terrain": "hills", "heightmap": True}),
+        ("walk-terrainhills", "ground", {"terrain": "hills", "heightmap": True, "fall_height": 0.15}),
         ("walk-obstacles", "ground", {"obstacles": "blocks", "heightmap": True}),
         ("run-longshins", "body", {"morphology": "long_shins"}),
         ("run-lockedrightknee", "body", {"locked": ("right_knee",)}),
