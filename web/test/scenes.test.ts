@@ -2,6 +2,7 @@
 
 import { beforeAll, expect, test } from "vitest";
 
+import { Ground } from "../src/ground";
 import type { Mujoco } from "../src/physics";
 import { Walker } from "../src/walker";
 import { bodyOn, groundNamed, index, mujocoOfTheSite, specification } from "./site";
@@ -45,4 +46,24 @@ test("a restart elsewhere on flat ground is the same start, moved and turned", (
   walker.observation.forEach((value, i) => expect(value).toBeCloseTo(before[i], i === 780 || i === 781 ? 1 : 4));
   walker.close();
   body.close();
+});
+
+test.each(["flat", "hills"])("who stops acting falls on %s, and by how low it lies", (name) => {
+  const { file, shares } = groundNamed(name);
+  expect(file.fall_height).toBe(name === "hills" ? 0.15 : null);
+  const falls = [file.fall_height, 1e-6].map((fall_height) => {
+    const ground = new Ground({ ...file, fall_height }, shares);
+    const body = bodyOn(mujoco, ground, "plain", "plain", name);
+    const walker = new Walker(body, ground, "walk");
+    for (let step = 0; step < 60; step++) {
+      walker.motion.act(new Float64Array(specification.joints.length).fill(1));
+      for (let i = 0; i < specification.physics_steps; i++) walker.tick();
+      walker.remember();
+    }
+    const found = walker.falls > 0;
+    walker.close();
+    body.close();
+    return found;
+  });
+  expect(falls).toEqual([true, false]);
 });
