@@ -13,12 +13,16 @@ from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.weights.shipped import zoo_config_path
 
 
-@pytest.mark.parametrize("name", ["Stoop", "JauntySkip", "Obstacles", "PushWalk"])
-def test_it_has_long_rollouts_and_half_of_the_noise_for_all(name):
+@pytest.mark.parametrize(
+    ("name", "noise", "turns"),
+    [("Stoop", 0.5, True), ("JauntySkip", 0.5, True), ("Obstacles", 0.5, False), ("PushWalk", 1.0, False),
+     ("PushRun", 1.0, False), ("TerrainRugged", 1.0, False)],
+)  # fmt: skip
+def test_rollouts_are_long_and_noise_is_full_where_no_motion_shows_the_way(name, noise, turns):
     entry = experiment(env_id(name), conf_file="learn_on")
-    assert entry.arguments["n_steps"] == 32 and entry.arguments["policy_kwargs"]["noise"] == 0.5
+    assert entry.arguments["n_steps"] == 32 and entry.arguments["policy_kwargs"]["noise"] == noise
     (objectives,) = (values for cls, values in entry.callbacks if cls is DiscriminatorRewardCallback)
-    assert ("in_turns" in objectives) == (name not in ("Obstacles", "PushWalk"))
+    assert ("in_turns" in objectives) == turns
 
 
 def test_a_style_of_svg_goes_on(tmp_path):
