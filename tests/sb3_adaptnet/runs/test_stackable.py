@@ -19,7 +19,7 @@ ICE = env_id("IceWalk")
 
 
 def test_the_shipped_companions_are_styles_of_the_base():
-    for name, count in (("IceWalk", 5), ("TerrainHills", 8), ("LongBodyWalk", 12)):
+    for name, count in (("IceWalk", 5), ("TerrainHills", 9), ("TerrainRugged", 8), ("LongBodyWalk", 12)):
         companions = experiment(env_id(name), conf_file="stackable").arguments["policy_kwargs"]["companions"]
         assert {part_of(companion).kind for companion in companions} == {"style"} and len(set(companions)) == count
 
