@@ -41,6 +41,7 @@ class TaskSpec:
         locked: joints that are removed, such as `("right_knee",)`; see `locks.joints_named`.
         terrain: function that samples the ground's heights, or its name in `TERRAINS`; None for flat ground.
         terrain_seed: seed of terrain and obstacles; `reset(seed=...)` is for spawns and goals only.
+        terrain_scale: the terrain's heights are multiplied by this: above 1 for harder ground than the paper's.
         obstacles: how blocks are laid out, or the layout's name in `OBSTACLES`; None for free ground.
         heightmap: whether the observation holds a heightmap of the ground around the character.
         fall_height: a link that touches the ground from this height [m] or more has not fallen; None if any touch is a
@@ -60,6 +61,7 @@ class TaskSpec:
     locked: tuple[str, ...] = ()
     terrain: str | Terrain | None = None
     terrain_seed: int = 0
+    terrain_scale: float = 1.0
     obstacles: str | ObstacleField | None = None
     heightmap: bool = False
     fall_height: float | None = None

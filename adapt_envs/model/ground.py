@@ -156,13 +156,16 @@ class Ground:
         return xy, heading
 
 
-def make_ground(terrain: Terrain | None, obstacles: ObstacleField | None, seed: int) -> Ground:
-    """The ground of a task: endless and flat without either, else bounded to patches sampled from `seed`."""
+def make_ground(terrain: Terrain | None, obstacles: ObstacleField | None, seed: int, scale: float = 1.0) -> Ground:
+    """The ground of a task: endless and flat without either, else bounded to patches sampled from `seed`.
+
+    The terrain's heights are multiplied by `scale`.
+    """
     if terrain is None and obstacles is None:
         return Ground()
     patches = Patches(PATCHES_PER_SIDE if obstacles is None else PATCHES_WITH_OBSTACLES)
     heights_rng, blocks_rng = np.random.default_rng(seed).spawn(2)
-    surface = None if terrain is None else atlas(terrain, patches, heights_rng)
+    surface = None if terrain is None else atlas(terrain, patches, heights_rng, scale)
     blocks = None if obstacles is None else Obstacles(obstacles, patches, blocks_rng)
     if surface is not None and blocks is not None:
         blocks.stand_on(surface.height_at(*blocks.centre.T.astype(np.float32)))

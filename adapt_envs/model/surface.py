@@ -91,8 +91,10 @@ class Surface:
         return Surface(piece, low, self.shaded, self.grid)
 
 
-def atlas(terrain: Terrain, patches: Patches, rng: np.random.Generator) -> Surface:
+def atlas(terrain: Terrain, patches: Patches, rng: np.random.Generator, scale: float = 1.0) -> Surface:
     """Patches of a terrain, side by side on one surface; they pass into each other, and into a flat apron, at height 0.
+
+    Their heights are the function's times `scale`.
 
     Raises:
         ValueError: if the terrain's function returns something else than finite heights (size, size) or on a finer
@@ -103,7 +105,7 @@ def atlas(terrain: Terrain, patches: Patches, rng: np.random.Generator) -> Surfa
     sizes = sorted({len(patch) for row in rows for patch in row})
     if len(sizes) > 1:
         raise ValueError(f"the terrain's function returned patches {sizes} heights wide, expected one grid for all")
-    heights = np.block(rows)
+    heights = scale * np.block(rows)
     fine = round(len(heights) * GRID / (2 * patches.half))
     heights = np.pad(heights, (_APRON * fine, _APRON * fine + 1))
     edge = -patches.half - _APRON * GRID

@@ -68,7 +68,7 @@ def site_ground(name: str) -> SiteGround:
     """
     row = entry("ground", GROUNDS, name).row
     terrain, obstacles = entry("terrain", TERRAINS, row.terrain), entry("obstacles", OBSTACLES, row.obstacles)
-    ground = make_ground(terrain, obstacles, row.terrain_seed)
+    ground = make_ground(terrain, obstacles, row.terrain_seed, row.terrain_scale)
     if ground.patches is None:
         return SiteGround(ground, row.friction, row.fall_height, np.inf, (0.0, 0.0, 0.0))
     rng, reach = np.random.default_rng(_SPAWN_SEED), ground.patches.half

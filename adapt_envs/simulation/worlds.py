@@ -58,8 +58,9 @@ class Worlds:
         speeds = preferred_speeds(spec, self.reference.clips[0], self.reference.shown)
         self.spec = replace(spec, speed_range=speeds)
         self.ground = make_ground(
-            entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed
-        )
+            entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed,
+            spec.terrain_scale,
+        )  # fmt: skip
         self.model = self.compiled(self.ground)
         self.physics = PhysicsBatch(self.model, num_worlds, num_threads)
         self.goals = Goals(num_worlds, self.ground, speeds, spec.timer_range)

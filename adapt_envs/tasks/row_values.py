@@ -30,7 +30,7 @@ def _range_or_none(name: str, value: Any) -> tuple[float, float] | None:
     return None if value is None else _range(name, value)
 
 
-def _friction(name: str, value: Any) -> float:
+def _positive(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < float("inf"):
         raise ValueError(f"{name} is {value!r}, expected a positive number")
     return float(value)
@@ -92,11 +92,12 @@ CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "motion": _motion,
     "speed_range": _range_or_none,
     "timer_range": _range,
-    "friction": _friction,
+    "friction": _positive,
     "morphology": _named(Morphology, "a Morphology"),
     "locked": _joints,
     "terrain": _terrain,
     "terrain_seed": _seed,
+    "terrain_scale": _positive,
     "obstacles": _named(ObstacleField, "an ObstacleField"),
     "heightmap": _yes_or_no,
     "fall_height": _height,

@@ -150,6 +150,12 @@ def test_the_terrain_follows_its_own_seed(name):
     assert not np.array_equal(ours["heightmap"], elsewhere["heightmap"])
 
 
+def test_the_terrain_is_as_high_as_asked():
+    plain, higher = (AdaptEnv(ROWS[0], terrain_scale=scale).worlds for scale in (1.0, 1.25))
+    assert np.allclose(higher.ground.surface.heights, 1.25 * plain.ground.surface.heights, atol=1e-6)
+    assert np.isclose(np.ptp(higher.ground.surface.heights), 1.25 * 1.5, atol=1e-6)
+
+
 def test_perlin_noise_is_zero_at_its_nodes_smooth_and_as_coarse_as_asked():
     heights = perlin(np.random.default_rng(0), 241, 6.0)
     assert np.abs(heights[::60, ::60]).max() < 1e-9

@@ -26,6 +26,7 @@ REFUSED = [
     ({"locked": (1,)}, r"locked is \(1,\), expected names of joints"),
     ({"terrain": 5}, r"terrain is 5, expected a name, a function \(rng, size\) -> heights, or None"),
     ({"terrain_seed": None}, "terrain_seed is None, expected a whole number from 0"),
+    ({"terrain_scale": 0}, "terrain_scale is 0, expected a positive number"),
     ({"terrain_seed": -1}, "terrain_seed is -1, expected a whole number from 0"),
     ({"obstacles": True}, "obstacles is True, expected a name, an ObstacleField, or None"),
     ({"heightmap": "no"}, "heightmap is 'no', expected True or False"),
