@@ -30,18 +30,14 @@ def _range_or_none(name: str, value: Any) -> tuple[float, float] | None:
     return None if value is None else _range(name, value)
 
 
-def _positive(name: str, value: Any) -> float:
+def _positive(name: str, value: Any, expected: str = "a positive number") -> float:
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < float("inf"):
-        raise ValueError(f"{name} is {value!r}, expected a positive number")
+        raise ValueError(f"{name} is {value!r}, expected {expected}")
     return float(value)
 
 
 def _height(name: str, value: Any) -> float | None:
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < float("inf"):
-        raise ValueError(f"{name} is {value!r}, expected a positive number of metres, or None")
-    return float(value)
+    return None if value is None else _positive(name, value, "a positive number of metres, or None")
 
 
 def _seed(name: str, value: Any) -> int:
