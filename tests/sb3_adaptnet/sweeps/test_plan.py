@@ -8,7 +8,8 @@ import yaml
 from sweep_cases import sweep_file
 from toy_zoo import TOY, conf
 
-from adapt_envs.motion.library import load_clip
+from adapt_envs import env_id
+from adapt_envs.motion.library import STYLES, load_clip
 from sb3_adaptnet.runs.experiment import experiment_of
 from sb3_adaptnet.sweeps import UnitFolder, prepare, read_sweep, units_of
 from sb3_adaptnet.weights.shipped import pretrained_names, pretrained_path
@@ -133,3 +134,10 @@ def test_units_come_back_damaged_with_a_sentence(tmp_path):
         place.read()
     with pytest.raises(ValueError, match="is not a run of a sweep: it has no unit.yml"):
         UnitFolder(Path(tmp_path / "none")).read()
+
+
+def test_all_styles_learn_by_one_and_the_same_entry():
+    found = units_of(read_sweep("styles"), 2)
+    assert sorted(unit.settings.env_id for unit in found) == sorted(map(env_id, STYLES))
+    assert all(unit.entry == found[0].entry and unit.settings.algo == "svg" for unit in found)
+    assert found[0].settings.samples == 600_000
