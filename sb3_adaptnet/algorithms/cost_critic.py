@@ -18,6 +18,7 @@ from sb3_adaptnet.algorithms.svg_settings import CostToGo, LossWeights
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.travel_loss import VELOCITY_SCALE, travel_errors
 from sb3_adaptnet.objectives.schedule import value_at
+from sb3_adaptnet.objectives.weight_average import WeightAverage
 from sb3_adaptnet.world_model.links import HeadingView
 from sb3_adaptnet.world_model.model import WorldModel
 from sb3_adaptnet.world_model.state import State
@@ -47,6 +48,7 @@ class CostCritic(nn.Module):
 
     Attributes:
         updates: () so often it learned; it knows nothing before the first.
+        average: of its weights over the updates, which it holds except while it learns.
     """
 
     updates: torch.Tensor
@@ -62,6 +64,7 @@ class CostCritic(nn.Module):
         self.register_buffer("updates", torch.zeros((), dtype=torch.long))
         with torch.no_grad():
             last.weight.mul_(_FIRST_SHARE)
+        self.average = WeightAverage(list(self.layers.parameters()))
 
     def forward(self, inputs: torch.Tensor) -> torch.Tensor:
         """Costs-to-go (B,)."""
@@ -149,13 +152,19 @@ class CriticTraining:
         """
         fresh = bool(self.critic.updates == 0)
         recent = [self._judged(rollout, losses) for rollout in rollouts[-RECENT:]]
-        explained, target = [], torch.zeros(1)
         self.critic.requires_grad_(True)
+        with self.critic.average.learning():
+            log = self._learn_from(recent, self.settings.updates[0 if fresh else 1])
+        self.critic.requires_grad_(False)
+        return log
+
+    def _learn_from(self, recent: Sequence[_Judged], updates: int) -> dict[str, float]:
+        explained, target = [], torch.zeros(1)
         aims: list[torch.Tensor] = []
-        first, later = self.settings.updates
-        for number in range(first if fresh else later):
-            if number % later == 0:  # the critic's own values are in them
-                aims = [self._aims(judged) for judged in recent]
+        for number in range(updates):
+            if number % self.settings.updates[1] == 0:  # the critic's own values are in them
+                with self.critic.average.acting():
+                    aims = [self._aims(judged) for judged in recent]
             chosen = len(recent) - 1 if number % 2 == 0 else int(self.rng.integers(len(recent)))
             known = (~aims[chosen].isnan()).nonzero()[:, 0]
             if not len(known):
@@ -163,7 +172,7 @@ class CriticTraining:
             rows = known[torch.as_tensor(self.rng.integers(len(known), size=BATCH), device=known.device)]
             target = aims[chosen][rows]
             explained.append(self._descend(recent[chosen].inputs[rows], target))
-        self.critic.requires_grad_(False)
+            self.critic.average.update(self.settings.average_decay)
         return {"cost_to_go": float(target.mean()), "critic_explains": float(np.mean(explained or [0.0]))}
 
     def _descend(self, inputs: torch.Tensor, target: torch.Tensor) -> float:

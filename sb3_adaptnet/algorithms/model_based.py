@@ -228,7 +228,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         restore_moments(self.world_optimizer, state["optimizer"])
         self.weight_average.load_state_dict(state["latest"])
         self.norm_limit.mean = state["gradient_norm"]
-        self.critic.load_state_dict(state["critic"])
+        self.critic.load_state_dict(state["critic"], strict=False)  # older checkpoints have no average of it
         restore_moments(self.critic_optimizer, state["critic_optimizer"])
         self._fits_done = state.get("fits_done", 0)  # older checkpoints have none
         self._begun = state.get("begun", False)

@@ -136,6 +136,8 @@ class CostToGo:
         end_cost: cost-to-go of a fall and of an end by the error. It must be above what a bad state costs otherwise:
             60 was not. 300 while most episodes still end by their error drowns all else.
         updates: before it acts first, and per rollout from then on.
+        average_decay: what an update leaves of the running average of its weights. The average is what judges; 0 is
+            the latest weights, which have noise in their slopes.
     """
 
     weight: Schedule = 0.25
@@ -143,17 +145,20 @@ class CostToGo:
     trace: float = 0.9
     end_cost: Schedule = 100.0
     updates: tuple[int, int] = (300, 12)
+    average_decay: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative weight or cost, a discount or trace beyond 0 to 1, or no updates.
+            ValueError: for a negative weight or cost, a discount, trace or decay beyond 0 to 1, or no updates.
         """
         check_schedule("weight", self.weight)
         check_schedule("end_cost", self.end_cost)
         if not (0 <= self.discount < 1 and 0 <= self.trace <= 1):
             raise ValueError(f"discount and trace lie within 0 to 1, and discount below 1; not {self}")
+        if not 0 <= self.average_decay < 1:
+            raise ValueError(f"average_decay is at least 0 and below 1, which {self.average_decay} is not")
         first, later = self.updates
         check_positive(first_updates=first, later_updates=later)
 

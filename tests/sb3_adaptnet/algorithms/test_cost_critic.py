@@ -16,7 +16,7 @@ SHORT = {"updates": (6, 2)}
 
 @pytest.fixture
 def svg(make_svg):
-    return make_svg(episodes={"steps": (3, 9), "loose_share": 0}, cost_to_go=SHORT).learn(96)
+    return make_svg(episodes={"steps": (3, 9), "loose_share": 0}, cost_to_go={**SHORT, "average_decay": 0.9}).learn(96)
 
 
 def window(svg, steps=4):
@@ -94,6 +94,30 @@ def test_it_learns_long_before_it_first_acts(make_svg):
     assert model.critic.updates == 6
     model.learn(48, reset_num_timesteps=False)
     assert model.critic.updates == 8
+
+
+@pytest.mark.parametrize("decay", [0.0, 0.9])
+def test_the_average_of_its_weights_judges(make_svg, decay):
+    svg = make_svg(episodes={"steps": (3, 9), "loose_share": 0}, cost_to_go={**SHORT, "average_decay": decay})
+    training: CriticTraining = svg.learn(96)._critic_training
+    losses, rollout, weights = svg.loss_weights.at(0), svg._rollouts[-1], list(svg.critic.layers.parameters())
+    before = [weight.detach().clone() for weight in weights]
+    with svg.critic.average.learning():
+        latest = [weight.detach().clone() for weight in weights]
+    training.settings = CostToGo(updates=(1, 1), average_decay=decay)
+    aims = training._aims(training._judged(rollout, losses))
+    training.learn(losses, [rollout])
+    assert not torch.allclose(training._aims(training._judged(rollout, losses)), aims, equal_nan=True)
+    with svg.critic.average.learning():
+        learned = [weight.detach().clone() for weight in weights]
+    for weight, average, old, new in zip(weights, before, latest, learned, strict=True):
+        assert torch.allclose(weight, decay * average + (1 - decay) * new, atol=1e-6)
+        assert not torch.equal(old, new)
+
+
+def test_a_decay_of_its_average_that_would_forget_nothing_is_refused():
+    with pytest.raises(ValueError, match="average_decay is at least 0 and below 1, which 1 is not"):
+        CostToGo(average_decay=1)
 
 
 def test_saving_and_checkpoints_keep_it(svg, make_svg, tmp_path):
