@@ -28,7 +28,7 @@ from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss
 from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
 from sb3_adaptnet.algorithms.tracking.guide import Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
-from sb3_adaptnet.objectives.schedule import Schedule
+from sb3_adaptnet.objectives.schedule import Schedule, checked_decay
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.world_model.model import WorldModel
@@ -84,8 +84,7 @@ class SVG(ModelBasedAlgorithm):
             gradient_steps: updates of the policy per rollout.
             recent_rollouts: rollouts that windows are taken from; every other one is from the latest.
             regression_updates: updates of the first guess, before the first rollout; 0 for a policy that has a start.
-            average_decay: what an update leaves of the running average of the weights. The average is the policy:
-                its falls were half to a tenth of the latest weights'.
+            average_decay: what an update leaves of the running average of the weights, which is the policy.
             episodes: how long they last, and what ends them.
             guiding: how the reference leads the characters to their goals.
             exploration: noise on the actions.
@@ -115,7 +114,8 @@ class SVG(ModelBasedAlgorithm):
             raise ValueError(f"window is {window}, expected 1 to n_steps, which is {n_steps}")
         groups.check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
-        self.gradient_steps, self.recent_rollouts, self.average_decay = gradient_steps, recent_rollouts, average_decay
+        self.gradient_steps, self.recent_rollouts = gradient_steps, recent_rollouts
+        self.average_decay = checked_decay("average_decay", average_decay)
         self.episodes = groups.grouped(groups.Episodes, episodes)
         self.guiding = groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
 from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
-from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, checked_decay, value_at
 
 Group = TypeVar("Group")
 
@@ -136,8 +136,8 @@ class CostToGo:
         end_cost: cost-to-go of a fall and of an end by the error. It must be above what a bad state costs otherwise:
             60 was not. 300 while most episodes still end by their error drowns all else.
         updates: before it acts first, and per rollout from then on.
-        average_decay: what an update leaves of the running average of its weights. The average is what judges; 0 is
-            the latest weights, which have noise in their slopes.
+        average_decay: what an update leaves of the running average of its weights. The average is what judges; with 0
+            it is the latest weights.
     """
 
     weight: Schedule = 0.25
@@ -157,8 +157,7 @@ class CostToGo:
         check_schedule("end_cost", self.end_cost)
         if not (0 <= self.discount < 1 and 0 <= self.trace <= 1):
             raise ValueError(f"discount and trace lie within 0 to 1, and discount below 1; not {self}")
-        if not 0 <= self.average_decay < 1:
-            raise ValueError(f"average_decay is at least 0 and below 1, which {self.average_decay} is not")
+        checked_decay("average_decay of cost_to_go", self.average_decay)
         first, later = self.updates
         check_positive(first_updates=first, later_updates=later)
 

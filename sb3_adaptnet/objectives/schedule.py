@@ -31,3 +31,14 @@ def check_schedule(what: str, points: Schedule) -> None:
     pairs = points.items() if isinstance(points, Mapping) else [(0, points)]
     if not pairs or not all(isinstance(number, Real) and number >= 0 for pair in pairs for number in pair):
         raise ValueError(f"{what} must be a number or {{samples: number}}, none of them negative, not {points!r}")
+
+
+def checked_decay(what: str, decay: float) -> float:
+    """What an update leaves of a running average; `what` says whose it is.
+
+    Raises:
+        ValueError: for anything but a number that is at least 0 and below 1.
+    """
+    if not (isinstance(decay, Real) and 0 <= decay < 1):
+        raise ValueError(f"{what} must be a number that is at least 0 and below 1, not {decay!r}")
+    return decay

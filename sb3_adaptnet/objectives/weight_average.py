@@ -9,6 +9,8 @@ import torch
 from stable_baselines3.common.callbacks import BaseCallback
 from torch import nn
 
+from sb3_adaptnet.objectives.schedule import checked_decay
+
 
 class WeightAverage(nn.Module):
     """Exponential moving average of some parameters (cf. Polyak & Juditsky 1992).
@@ -101,9 +103,7 @@ class WeightAveraging(BaseCallback):
             ValueError: for another decay.
         """
         super().__init__()
-        if not 0 <= decay < 1:
-            raise ValueError(f"the decay of an average is at least 0 and below 1, which {decay} is not")
-        self.decay = decay
+        self.decay = checked_decay("the decay of an average", decay)
         self._while_learning, self._seen = ExitStack(), 0
 
     def _init_callback(self) -> None:

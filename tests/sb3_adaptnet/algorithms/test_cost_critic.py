@@ -97,7 +97,7 @@ def test_it_learns_long_before_it_first_acts(make_svg):
 
 
 @pytest.mark.parametrize("decay", [0.0, 0.9])
-def test_the_average_of_its_weights_judges(make_svg, decay):
+def test_the_average_of_its_weights_judges(make_svg, monkeypatch, decay):
     svg = make_svg(episodes={"steps": (3, 9), "loose_share": 0}, cost_to_go={**SHORT, "average_decay": decay})
     training: CriticTraining = svg.learn(96)._critic_training
     losses, rollout, weights = svg.loss_weights.at(0), svg._rollouts[-1], list(svg.critic.layers.parameters())
@@ -105,8 +105,16 @@ def test_the_average_of_its_weights_judges(make_svg, decay):
     with svg.critic.average.learning():
         latest = [weight.detach().clone() for weight in weights]
     training.settings = CostToGo(updates=(1, 1), average_decay=decay)
-    aims = training._aims(training._judged(rollout, losses))
+    aims, valuing = training._aims(training._judged(rollout, losses)), []
+    find_aims = training._aims
+
+    def watched(judged):
+        valuing.extend(weight.detach().clone() for weight in weights)
+        return find_aims(judged)
+
+    monkeypatch.setattr(training, "_aims", watched)
     training.learn(losses, [rollout])
+    assert all(map(torch.equal, valuing, before)) and len(valuing) == len(before)
     assert not torch.allclose(training._aims(training._judged(rollout, losses)), aims, equal_nan=True)
     with svg.critic.average.learning():
         learned = [weight.detach().clone() for weight in weights]
@@ -115,9 +123,22 @@ def test_the_average_of_its_weights_judges(make_svg, decay):
         assert not torch.equal(old, new)
 
 
-def test_a_decay_of_its_average_that_would_forget_nothing_is_refused():
-    with pytest.raises(ValueError, match="average_decay is at least 0 and below 1, which 1 is not"):
-        CostToGo(average_decay=1)
+@pytest.mark.parametrize("decay", [1, -0.1, "0.9"])
+def test_a_decay_that_is_none_is_refused(make_svg, decay):
+    with pytest.raises(ValueError, match=f"average_decay of cost_to_go must be .* below 1, not {decay!r}"):
+        CostToGo(average_decay=decay)
+    with pytest.raises(ValueError, match=f"average_decay must be a number that is at least 0 .* not {decay!r}"):
+        make_svg(average_decay=decay)
+
+
+def test_what_older_checkpoints_lack_begins_anew(svg, make_svg):
+    state = svg.world_state()
+    state["critic"] = {name: value for name, value in state["critic"].items() if not name.startswith("average.")}
+    again = make_svg()
+    again.set_world_state(state)
+    for name, value in state["critic"].items():
+        assert torch.equal(again.critic.state_dict()[name], value)
+    assert again.critic.average.updates == 0  # the average is the weights that were kept
 
 
 def test_saving_and_checkpoints_keep_it(svg, make_svg, tmp_path):
