@@ -69,5 +69,5 @@ def test_ppo_acts_by_the_latest_weights_and_ends_with_their_average():
 
 
 def test_an_average_over_all_gets_a_sentence():
-    with pytest.raises(ValueError, match="which 1.0 is not"):
+    with pytest.raises(ValueError, match="decay of an average must be .* at least 0 and below 1, not 1.0"):
         WeightAveraging(1.0)
