@@ -26,7 +26,7 @@ class MotionError(ValueError):
     """A motion that cannot be used; the message names the file, the place and the problem."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # a clip is itself alone, which lets caches know it
 class MotionClip:
     """Configurations of the character, one every 1/30 s.
 

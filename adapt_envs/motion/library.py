@@ -149,11 +149,8 @@ class ReferenceMotion:
     @cached_property
     def _windows(self) -> NDArray[np.float32]:
         if not self._windows_on_body:
-            return _windows_of(plain_model(), self._clip_qpos, self._clip_qvel, self._valid)
-        parts = [_Frames.of(shown_by(clip, self.model)) for clip in self.clips]
-        return np.concatenate(
-            [_windows_of(self.model, part.qpos, part.qvel, np.arange(_PAST, len(part.qpos))) for part in parts]
-        )
+            return _plain_windows(self.clips)
+        return _windows_of(self.model, [shown_by(clip, self.model) for clip in self.clips])
 
     @property
     def poses(self) -> NDArray[np.float32]:
@@ -223,9 +220,19 @@ def _reference_motion(
     return ReferenceMotion([_load(version)], compile_model(build_character(morphology, locked)), windows_on_body)
 
 
-def _windows_of(
-    model: mujoco.MjModel, qpos: NDArray[np.float64], qvel: NDArray[np.float64], last: NDArray[np.integer]
-) -> NDArray[np.float32]:
-    """Pose windows (n, 5, 15, 7) that end at the frames `last` (n,)."""
-    links = Kinematics(model).link_states(qpos, qvel)
-    return pose_windows(heading_frame_features(links[last[:, None] + np.arange(-_PAST, 1)]))
+@lru_cache(maxsize=8)
+def _plain_windows(clips: tuple[MotionClip, ...]) -> NDArray[np.float32]:
+    """The windows of all bodies that do not show them: one array, which nobody may change."""
+    windows = _windows_of(plain_model(), clips)
+    windows.flags.writeable = False
+    return windows
+
+
+def _windows_of(model: mujoco.MjModel, clips: Sequence[MotionClip]) -> NDArray[np.float32]:
+    """Pose windows (n, 5, 15, 7) that end at each frame of clips which has the ones before it."""
+    found = []
+    for frames in map(_Frames.of, clips):
+        links = Kinematics(model).link_states(frames.qpos, frames.qvel)
+        last = np.arange(_PAST, len(links))
+        found.append(pose_windows(heading_frame_features(links[last[:, None] + np.arange(-_PAST, 1)])))
+    return np.concatenate(found)

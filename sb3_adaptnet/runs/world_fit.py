@@ -132,5 +132,6 @@ def fit_stages(
         losses = fit(model, fitted, stage, optimizer, rng)
         for _ in progress(f"fitting {stage.steps} steps")(range(stage.updates)):
             next(losses)
-        report(f"after {stage.updates:,} updates of {stage.steps} steps\n{error_table(model, judged)}")
-    return error_table(model, judged)
+        errors = error_table(model, judged)
+        report(f"after {stage.updates:,} updates of {stage.steps} steps\n{errors}")
+    return errors

@@ -13,7 +13,8 @@ from adapt_envs import SUITE, AdaptEnv, env_id, make_vector
 from adapt_envs.spaces import JointSpace
 from adapt_envs.tasks.termination import ENDS
 
-IDS = [env_id(name) for name in SUITE]
+# One row after the other: what a process keeps of characters and motions does not suffice for all rows in turn.
+each_row = pytest.mark.parametrize("name", [env_id(name) for name in SUITE], scope="module")
 
 
 def equal(a, b):
@@ -39,14 +40,14 @@ def rollout(env, seed, steps=12):
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("name", IDS)
+@each_row
 def test_both_checkers_accept_it(name):
     env = gym.make(name)
     check_env(env.unwrapped, skip_render_check=True)
     sb3_checker.check_env(env)
 
 
-@pytest.mark.parametrize("name", IDS)
+@each_row
 def test_same_seed_same_rollout(name):
     first, second = (rollout(gym.make(name), seed=3) for _ in range(2))
     assert all(equal(a, b) for a, b in zip(first[0], second[0], strict=True))
@@ -54,7 +55,7 @@ def test_same_seed_same_rollout(name):
     assert not equal(first[0][0], rollout(gym.make(name), seed=4, steps=1)[0][0])
 
 
-@pytest.mark.parametrize("name", IDS)
+@each_row
 def test_a_vector_of_one_equals_the_single_env(name):
     single, vector = gym.make(name).unwrapped, make_vector(name, 1)
     a, b = single.reset(seed=5)[0], vector.reset(seed=5)[0]
@@ -72,7 +73,7 @@ def test_a_vector_of_one_equals_the_single_env(name):
             break
 
 
-@pytest.mark.parametrize("name", IDS)
+@each_row
 def test_spec_rebuilds_it_and_pickles(name):
     env = gym.make(name)
     again = gym.make(pickle.loads(pickle.dumps(env.spec)))
@@ -86,7 +87,7 @@ def test_spec_rebuilds_it_and_pickles(name):
     assert all(equal(a, b) for a, b in zip(rollout(env, 6, 3)[0], rollout(again, 6, 3)[0], strict=True))
 
 
-@pytest.mark.parametrize("name", IDS)
+@each_row
 def test_it_renders(name):
     env = gym.make(name, render_mode="rgb_array")
     env.reset(seed=0)
@@ -96,7 +97,7 @@ def test_it_renders(name):
     env.close()
 
 
-@pytest.mark.parametrize("name", IDS)
+@each_row
 def test_windows_of_world_and_reference_have_one_layout(name):
     env = make_vector(name, 8)
     env.reset(seed=0)

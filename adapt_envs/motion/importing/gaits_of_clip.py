@@ -1,6 +1,7 @@
 """Gait cycles at given speeds, cut out of a clip of minutes."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -18,6 +19,11 @@ def gaits_of(clip: MotionClip, speeds: Sequence[float]) -> list[MotionClip]:
     Raises:
         MotionError: if it goes at none of them, or repeats.
     """
+    return list(_gaits_of(clip, tuple(speeds)))
+
+
+@lru_cache(maxsize=16)  # each takes inverse kinematics over all its frames, and bodies and grounds share the clip
+def _gaits_of(clip: MotionClip, speeds: tuple[float, ...]) -> tuple[MotionClip, ...]:
     if clip.cyclic:
         raise MotionError(f"clip {clip.name!r} is one gait cycle; gaits at several speeds need a motion of minutes")
     draft, found = from_poses(clip.qpos), dict[str, MotionClip]()
@@ -36,4 +42,4 @@ def gaits_of(clip: MotionClip, speeds: Sequence[float]) -> list[MotionClip]:
     if not found:
         at = ", ".join(f"{speed:.2f}" for speed in speeds)
         raise MotionError(f"clip {clip.name!r} holds no gait cycle at {at} m/s")
-    return list(found.values())
+    return tuple(found.values())

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from sb3_adaptnet.world_model.fitting.fit import open_loop, sample_starts
 from sb3_adaptnet.world_model.links import POSITION
@@ -61,13 +62,15 @@ def error_table(
         model: the model.
         held_out: transitions.
         seed: of the windows' starts.
-        samples: windows.
+        samples: windows; all that there are where they are not more.
         horizons: rising numbers of control steps.
 
     Raises:
         ValueError: if no episode is as long as the last horizon.
     """
-    starts = sample_starts(held_out, horizons[-1], samples, np.random.default_rng(seed))
+    starts: NDArray[np.integer] = held_out.starts(horizons[-1])
+    if not 0 < len(starts) <= samples:
+        starts = sample_starts(held_out, horizons[-1], samples, np.random.default_rng(seed))
     world, heading = [], []
     for step, (_, links) in enumerate(open_loop(model, held_out, starts, horizons[-1]), start=1):
         if step in horizons:

@@ -32,7 +32,7 @@ def make(walk_worlds):
         return SVG(
             PretrainPolicy, walk_worlds, "new", policy_kwargs=SIZES, model_fits=fits, guiding={"gaits": [0.9, 1.3]},
             n_steps=8, window=4, gradient_steps=2, regression_updates=3, model_refresh={"updates": 1, "batch": 16},
-            seed=0, device="cpu", **choices,
+            cost_to_go={"updates": [3, 1]}, seed=0, device="cpu", **choices,
         )  # fmt: skip
 
     return make
@@ -63,7 +63,7 @@ def test_of_an_adaptation_the_base_is_recorded(walk_base, monkeypatch):
         AdaptNetPolicy, env, "new", policy_kwargs={"base": str(walk_base)},
         model_fits={"efforts": {0: 0.002}, "steps": STEPS, "width": 16}, guiding={"gaits": [0.9, 1.3]},
         n_steps=8, window=4, gradient_steps=2, regression_updates=0, model_refresh={"updates": 1, "batch": 16},
-        seed=0, device="cpu",
+        cost_to_go={"updates": [3, 1]}, seed=0, device="cpu",
     )  # fmt: skip
     model.learn(WORLDS * (STEPS + 8))
     assert acted == [True]

@@ -24,7 +24,7 @@ def words(walk_base, tiny_world, tmp_path):
     entry = {
         "policy": "sb3_adaptnet.AdaptNetPolicy", "n_envs": 6, "n_timesteps": 96, "n_steps": 8, "window": 4,
         "gradient_steps": 1, "regression_updates": 1, "model_refresh": {"updates": 1, "batch": 8},
-        "policy_kwargs": {"base": str(walk_base)},
+        "cost_to_go": {"updates": [3, 1]}, "policy_kwargs": {"base": str(walk_base)},
     }  # fmt: skip
     conf = tmp_path / "tiny.yml"
     conf.write_text(yaml.safe_dump({STOOP: entry}))
@@ -80,7 +80,7 @@ def test_a_base_from_nothing_is_exported_with_its_world_model(tmp_path, capsys):
         "policy": "sb3_adaptnet.PretrainPolicy", "world_model": "new", "n_envs": 6, "n_timesteps": 96, "n_steps": 8,
         "window": 4, "gradient_steps": 1, "regression_updates": 1, "model_refresh": {"updates": 1, "batch": 8},
         "model_fits": {"efforts": {0: 0.002}, "steps": 8, "width": 16}, "guiding": {"gaits": [0.9]},
-        "policy_kwargs": SIZES,
+        "cost_to_go": {"updates": [3, 1]}, "policy_kwargs": SIZES,
     }  # fmt: skip
     walk, conf, run = "AdaptNet/Humanoid-Walk-v0", tmp_path / "tiny.yml", tmp_path / "run"
     conf.write_text(yaml.safe_dump({walk: entry}))
