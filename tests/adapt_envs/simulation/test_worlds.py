@@ -6,7 +6,7 @@ import pytest
 
 from adapt_envs import env_id, make_vector
 from adapt_envs.features import rotations
-from adapt_envs.simulation.worlds import Worlds
+from adapt_envs.motion.library import load_clip
 from adapt_envs.suite import SUITE, preferred_speeds
 from adapt_envs.tasks.goal import goal_observation, goal_reward, targets_ahead
 from adapt_envs.tasks.termination import DIVERGED, ENDS, FALL, LOST, TIME, ends
@@ -46,7 +46,7 @@ def test_the_worst_end_wins():
 
 def test_speed_range_follows_a_slow_clip():
     for name, spec in SUITE.items():
-        clip = Worlds(spec, 1).reference.clips[0]
+        clip = load_clip(spec.motion)
         low, high = preferred_speeds(spec, clip)
         assert 0 < low < high
         if name not in ("Walk", "Run"):

@@ -10,6 +10,7 @@ from policy_cases import SIZES
 
 from sb3_adaptnet import SVG, hyperparameters, load_policy
 from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.runs import world_export
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.runs.saver import restore, snapshot
@@ -75,7 +76,9 @@ def test_what_begins_a_training_is_done_once(words, tmp_path, monkeypatch):
     assert len(begun) == 1
 
 
-def test_a_base_from_nothing_is_exported_with_its_world_model(tmp_path, capsys):
+def test_a_base_from_nothing_is_exported_with_its_world_model(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(world_export, "WORLDS", 16)
+    monkeypatch.setattr(world_export, "STEPS", 60)
     entry = {
         "policy": "sb3_adaptnet.PretrainPolicy", "world_model": "new", "n_envs": 6, "n_timesteps": 96, "n_steps": 8,
         "window": 4, "gradient_steps": 1, "regression_updates": 1, "model_refresh": {"updates": 1, "batch": 8},
