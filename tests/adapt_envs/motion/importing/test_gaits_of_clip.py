@@ -41,3 +41,4 @@ def stances_of(corners):
 def test_no_cycle_is_cut_out_twice():
     cut = gaits_of(load_clip("walk"), [1.0, 1.1, 1.3])  # the first two are met by the same frames
     assert len({gait.origin for gait in cut}) == len(cut) == 2
+    assert gaits_of(load_clip("walk"), (1.0, 1.1, 1.3)) == cut  # nor for another body: they are the same clips

@@ -56,6 +56,12 @@ def test_the_table_reads_well(data):
     ]
 
 
+def test_few_transitions_are_all_judged_whatever_the_seed(data):
+    model, windows = fresh(data), len(data.starts(8))
+    assert error_table(model, data, 0, windows, (8,)) == error_table(model, data, 1, windows + 1, (8,))
+    assert error_table(model, data, 0, windows - 1, (8,)) != error_table(model, data, 1, windows - 1, (8,))
+
+
 def test_a_coasting_model_keeps_the_velocities(data):
     model = coasting(fresh(data))
     starts = sample_starts(data, 1, 8, np.random.default_rng(0))
