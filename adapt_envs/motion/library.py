@@ -230,9 +230,9 @@ def _plain_windows(clips: tuple[MotionClip, ...]) -> NDArray[np.float32]:
 
 def _windows_of(model: mujoco.MjModel, clips: Sequence[MotionClip]) -> NDArray[np.float32]:
     """Pose windows (n, 5, 15, 7) that end at each frame of clips which has the ones before it."""
-    found = []
+    kinematics, found = Kinematics(model), []
     for frames in map(_Frames.of, clips):
-        links = Kinematics(model).link_states(frames.qpos, frames.qvel)
+        links = kinematics.link_states(frames.qpos, frames.qvel)
         last = np.arange(_PAST, len(links))
         found.append(pose_windows(heading_frame_features(links[last[:, None] + np.arange(-_PAST, 1)])))
     return np.concatenate(found)

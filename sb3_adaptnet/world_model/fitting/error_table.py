@@ -69,7 +69,7 @@ def error_table(
         ValueError: if no episode is as long as the last horizon.
     """
     starts: NDArray[np.integer] = held_out.starts(horizons[-1])
-    if not 0 < len(starts) <= samples:
+    if not 0 < len(starts) <= samples:  # sampling refuses none at all
         starts = sample_starts(held_out, horizons[-1], samples, np.random.default_rng(seed))
     world, heading = [], []
     for step, (_, links) in enumerate(open_loop(model, held_out, starts, horizons[-1]), start=1):
