@@ -15,7 +15,7 @@ from adapt_envs.model.morphology import MORPHOLOGIES
 from adapt_envs.motion.library import BASES, reference_motion
 from adapt_envs.portable.choices import BODIES, LOCKS
 from adapt_envs.portable.grounds import SiteGround, site_ground
-from adapt_envs.simulation.spawn import moved, standing_lift
+from adapt_envs.simulation.spawn import placed
 from adapt_envs.tables import entry
 
 START = 40
@@ -83,11 +83,7 @@ def _start(base: str, model: mujoco.MjModel, shape: Any, locked: tuple[str, ...]
     if place.ground.plain:
         heading = 0.0
     xy = np.array([[x, y]])
-    qpos, qvel, history = moved(qpos, qvel, history, xy, np.array([heading]))
-    if not place.ground.plain:
-        lift = standing_lift(model, history[:, -1], place.ground)
-        qpos[:, 2] += lift
-        history[..., 2] += lift[:, None, None].astype(np.float32)
+    qpos, qvel, history = placed(model, place.ground, qpos, qvel, history, xy, np.array([heading]))
     facing = float(rotations.heading(qpos[0, 3:7]))
     return {
         "qpos": qpos[0].tolist(), "qvel": qvel[0].tolist(), "heading": facing,

@@ -43,6 +43,19 @@ def moved(
     return qpos, qvel, history
 
 
+def placed(
+    model: mujoco.MjModel, ground: Ground,
+    qpos: NDArray[np.float64], qvel: NDArray[np.float64], history: NDArray[np.float32], xy: Array, heading: Array,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:  # fmt: skip
+    """Start states moved, as `moved` does, and lifted to stand on the ground there."""
+    qpos, qvel, history = moved(qpos, qvel, history, xy, heading)
+    if not ground.plain:
+        lift = standing_lift(model, history[:, -1], ground)
+        qpos[:, 2] += lift
+        history[..., 2] += lift[:, None, None].astype(np.float32)
+    return qpos, qvel, history
+
+
 def standing_lift(model: mujoco.MjModel, links: Array, ground: Ground) -> NDArray[np.float64]:
     """How far to lift characters so that their soles are as high over the ground as they were over the plane z = 0.
 

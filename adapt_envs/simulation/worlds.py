@@ -22,7 +22,7 @@ from adapt_envs.motion.library import reference_motion
 from adapt_envs.simulation.falls import fallen
 from adapt_envs.simulation.gait_cycles import gait_cycles
 from adapt_envs.simulation.physics import PhysicsBatch
-from adapt_envs.simulation.spawn import moved, standing_lift
+from adapt_envs.simulation.spawn import placed
 from adapt_envs.suite import TaskSpec, preferred_speeds
 from adapt_envs.tables import entry
 from adapt_envs.tasks.clearance import clearance_reward
@@ -32,6 +32,8 @@ from adapt_envs.tasks.goal_state import Goals
 from adapt_envs.tasks.push import Pushes
 from adapt_envs.tasks.termination import LOST_DISTANCE, RUNNING, ends
 from adapt_envs.tasks.tracking import GaitClocks
+
+Array = NDArray[np.float64]
 
 
 class Worlds:
@@ -137,7 +139,7 @@ class Worlds:
         """
         count = self.reference.num_states
         chosen = self.rng.integers(count, size=len(ids)) if start is None else np.full(len(ids), start)
-        qpos, qvel, history = self._placed(*self.reference.states(chosen))
+        qpos, qvel, history = self._somewhere(*self.reference.states(chosen))
         self.physics.set_states(ids, qpos, qvel)
         self.history[ids] = history
         self.steps[ids], self.starts[ids] = 0, chosen
@@ -156,17 +158,13 @@ class Worlds:
             put_rows(self._last, ids, fresh)
         return fresh
 
-    def _placed(
-        self, qpos: NDArray[np.float64], qvel: NDArray[np.float64], history: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
-        """Start states moved to random places of bounded ground and lifted to stand there."""
+    def _somewhere(
+        self, qpos: Array, qvel: Array, history: NDArray[np.float32]
+    ) -> tuple[Array, Array, NDArray[np.float32]]:
+        """Start states at random places of bounded ground."""
         if self.ground.plain:
             return qpos, qvel, history
-        qpos, qvel, history = moved(qpos, qvel, history, *self.ground.spawns(len(qpos), self.rng))
-        lift = standing_lift(self.model, history[:, -1], self.ground)
-        qpos[:, 2] += lift
-        history[..., 2] += lift[:, None, None].astype(np.float32)
-        return qpos, qvel, history
+        return placed(self.model, self.ground, qpos, qvel, history, *self.ground.spawns(len(qpos), self.rng))
 
     def step(
         self, actions: NDArray[np.floating], max_steps: int | None
