@@ -15,7 +15,7 @@ from adapt_envs.model.morphology import MORPHOLOGIES
 from adapt_envs.motion.library import BASES, reference_motion
 from adapt_envs.portable.choices import BODIES, LOCKS
 from adapt_envs.portable.grounds import SiteGround, site_ground
-from adapt_envs.simulation.spawn import placed
+from adapt_envs.simulation.spawn import spawned
 from adapt_envs.tables import entry
 
 START = 40
@@ -83,7 +83,7 @@ def _start(base: str, model: mujoco.MjModel, shape: Any, locked: tuple[str, ...]
     if place.ground.plain:
         heading = 0.0
     xy = np.array([[x, y]])
-    qpos, qvel, history = placed(model, place.ground, qpos, qvel, history, xy, np.array([heading]))
+    qpos, qvel, history = spawned(model, place.ground, qpos, qvel, history, xy, np.array([heading]))
     facing = float(rotations.heading(qpos[0, 3:7]))
     return {
         "qpos": qpos[0].tolist(), "qvel": qvel[0].tolist(), "heading": facing,

@@ -43,7 +43,7 @@ def moved(
     return qpos, qvel, history
 
 
-def placed(
+def spawned(
     model: mujoco.MjModel, ground: Ground,
     qpos: NDArray[np.float64], qvel: NDArray[np.float64], history: NDArray[np.float32], xy: Array, heading: Array,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:  # fmt: skip

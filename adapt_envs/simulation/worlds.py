@@ -22,7 +22,7 @@ from adapt_envs.motion.library import reference_motion
 from adapt_envs.simulation.falls import fallen
 from adapt_envs.simulation.gait_cycles import gait_cycles
 from adapt_envs.simulation.physics import PhysicsBatch
-from adapt_envs.simulation.spawn import placed
+from adapt_envs.simulation.spawn import spawned
 from adapt_envs.suite import TaskSpec, preferred_speeds
 from adapt_envs.tables import entry
 from adapt_envs.tasks.clearance import clearance_reward
@@ -164,7 +164,7 @@ class Worlds:
         """Start states at random places of bounded ground."""
         if self.ground.plain:
             return qpos, qvel, history
-        return placed(self.model, self.ground, qpos, qvel, history, *self.ground.spawns(len(qpos), self.rng))
+        return spawned(self.model, self.ground, qpos, qvel, history, *self.ground.spawns(len(qpos), self.rng))
 
     def step(
         self, actions: NDArray[np.floating], max_steps: int | None
