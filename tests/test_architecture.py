@@ -34,6 +34,7 @@ sb3_adaptnet.policies  sb3_adaptnet.vec_env
 sb3_adaptnet.stacking
 sb3_adaptnet.objectives
 sb3_adaptnet.algorithms.tracking
+sb3_adaptnet.algorithms.rollouts
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs
 sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo  sb3_adaptnet.exporting

@@ -12,7 +12,7 @@ from torch.nn import functional
 
 from sb3_adaptnet.algorithms.cost_returns import costs_to_go
 from sb3_adaptnet.algorithms.imagination import Imagined
-from sb3_adaptnet.algorithms.real_rollout import Guided, RealRollout, moving
+from sb3_adaptnet.algorithms.rollouts.real_rollout import Guided, RealRollout, moving
 from sb3_adaptnet.algorithms.svg_loss import CostToCome, state_costs
 from sb3_adaptnet.algorithms.svg_settings import CostToGo, LossWeights
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
@@ -143,7 +143,7 @@ class CriticTraining:
         return weighted
 
     def learn(self, losses: LossWeights, rollouts: Sequence[RealRollout]) -> dict[str, float]:
-        """Learn from the latest rollouts, longer the first time; every other batch is from the last one.
+        """Learn from rollouts, longer the first time; every other batch is from the last one.
 
         What a rollout costs stays what it was by the losses when it was new.
 
@@ -151,7 +151,7 @@ class CriticTraining:
             What to log: mean target and explained share of the variance.
         """
         fresh = bool(self.critic.updates == 0)
-        recent = [self._judged(rollout, losses) for rollout in rollouts[-RECENT:]]
+        recent = [self._judged(rollout, losses) for rollout in rollouts]
         self.critic.requires_grad_(True)
         with self.critic.average.learning():
             log = self._learn_from(recent, self.settings.updates[0 if fresh else 1])

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
-from sb3_adaptnet.algorithms.real_rollout import Guided, RealRollout, moving
+from sb3_adaptnet.algorithms.rollouts.real_rollout import Guided, RealRollout, moving
 from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES
 from sb3_adaptnet.world_model.links import HeadingView, from_observed, to_observed
 from sb3_adaptnet.world_model.model import WorldModel

@@ -1,13 +1,13 @@
 """Fitting a world model that is new, and keeping any up to date with what the policy does."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.real_rollout import RealRollout
+from sb3_adaptnet.algorithms.rollouts.recent_rollouts import RecentRollouts
 from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.world_model.character import Character
@@ -71,14 +71,14 @@ def fit_anew(
 def refresh(
     model: WorldModel,
     optimizer: torch.optim.Optimizer,
-    rollouts: Sequence[RealRollout],
+    rollouts: RecentRollouts,
     settings: ModelRefresh,
     rng: np.random.Generator,
 ) -> float:
     """Fit the model to single steps of the latest rollouts; returns the mean loss."""
-    losses = []
+    losses, latest = [], rollouts.latest(settings.rollouts)
     for _ in range(settings.updates):
-        data = rollouts[int(rng.integers(len(rollouts)))].transitions
+        data = latest[int(rng.integers(len(latest)))].transitions
         loss = loss_of(model, data, sample_starts(data, 1, settings.batch, rng), 1)
         descend(model, optimizer, loss)
         losses.append(float(loss.detach()))

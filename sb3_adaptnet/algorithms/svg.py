@@ -4,7 +4,6 @@ Real rollouts are collected; the model is refreshed on them; the policy then des
 propagated back through model and kinematics along the real states (Heess et al. 2015; Fussell et al. 2021).
 """
 
-from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self, cast
@@ -22,8 +21,10 @@ from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
 from sb3_adaptnet.algorithms.model_learning import refresh
-from sb3_adaptnet.algorithms.real_rollout import RealRollout, RolloutRecorder
-from sb3_adaptnet.algorithms.svg_log import record_rollout, record_times
+from sb3_adaptnet.algorithms.rollouts.real_rollout import RealRollout, RolloutRecorder
+from sb3_adaptnet.algorithms.rollouts.recent_rollouts import RecentRollouts
+from sb3_adaptnet.algorithms.rollouts.reflection import Reflection
+from sb3_adaptnet.algorithms.svg_log import record_means, record_rollout, record_times
 from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss
 from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
 from sb3_adaptnet.algorithms.tracking.guide import Guiding
@@ -56,6 +57,7 @@ class SVG(ModelBasedAlgorithm):
         recent_rollouts: int = 3,
         regression_updates: int = 300,
         average_decay: float = 0.98,
+        mirror: bool = False,
         episodes: groups.Episodes | Mapping[str, Any] | None = None,
         guiding: Guiding | Mapping[str, Any] | None = None,
         exploration: groups.Exploration | Mapping[str, Any] | None = None,
@@ -85,6 +87,7 @@ class SVG(ModelBasedAlgorithm):
             recent_rollouts: rollouts that windows are taken from; every other one is from the latest.
             regression_updates: updates of the first guess, before the first rollout; 0 for a policy that has a start.
             average_decay: what an update leaves of the running average of the weights, which is the policy.
+            mirror: learn from rollouts in a mirror, too, if the motion half a cycle later is its own mirror image.
             episodes: how long they last, and what ends them.
             guiding: how the reference leads the characters to their goals.
             exploration: noise on the actions.
@@ -110,18 +113,16 @@ class SVG(ModelBasedAlgorithm):
             stats_window_size=stats_window_size, tensorboard_log=tensorboard_log, verbose=verbose, device=device,
             seed=seed, init_setup_model=_init_setup_model,
         )  # fmt: skip
-        if not 0 < window <= n_steps:
-            raise ValueError(f"window is {window}, expected 1 to n_steps, which is {n_steps}")
+        groups.check_window(window, n_steps)
         groups.check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
         self.gradient_steps, self.recent_rollouts = gradient_steps, recent_rollouts
-        self.average_decay = checked_decay("average_decay", average_decay)
+        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), mirror
         self.episodes = groups.grouped(groups.Episodes, episodes)
         self.guiding = groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)
         self.loss_weights = groups.LossSchedules.of(loss_weights)
-        self.cost_to_go = groups.grouped(groups.CostToGo, cost_to_go)
-        self.taming = GradientTaming()
+        self.cost_to_go, self.taming = groups.grouped(groups.CostToGo, cost_to_go), GradientTaming()
         if env is not None and self.guiding.gaits:
             self._worlds_of_env().references(self.guiding.gaits)  # refuses a motion without them
 
@@ -167,17 +168,17 @@ class SVG(ModelBasedAlgorithm):
         self._worlds.schedule(self.num_timesteps)
         self._last_obs = observations = cast(NDArray[np.float32], env.reset())  # an array: there is no heightmap
         self._worlds.begin(observations)
-        kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT)
-        self._rollouts = deque[RealRollout](maxlen=kept)
+        reflection = Reflection.of(self.world_model.character, self.motion) if self.mirror else None
+        most = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT)
+        self._rollouts = RecentRollouts(most, reflection, self.rng)
 
     def collect_rollout(self, callback: BaseCallback) -> bool:
         """Act in all worlds for `n_steps` control steps; returns whether the callbacks want to go on."""
-        worlds, recorder = self._worlds, RolloutRecorder()
+        worlds, recorder, errors = self._worlds, RolloutRecorder(), list[NDArray[np.floating]]()
         worlds.schedule(self.num_timesteps)
         observations = cast(NDArray[np.float32], self._last_obs)  # an array: there is no heightmap
         worlds.resynchronise(observations)
         self.policy.set_training_mode(False)
-        errors = []
         callback.on_rollout_start()
         with self.weight_average.learning():
             for _ in range(self.n_steps):
@@ -193,7 +194,7 @@ class SVG(ModelBasedAlgorithm):
                 recorder.add(before, actions, noise, step.guidance, step.ended, step.failed)
                 errors.append(step.errors)
                 self._last_obs = observations = new_obs
-        self._rollouts.append(recorder.finish(worlds.now()))
+        self._rollouts.add(recorder.finish(worlds.now()), worlds.guide.left_from_behind)
         record_rollout(self.logger, np.stack(errors), worlds.lengths)
         callback.on_rollout_end()
         return True
@@ -214,16 +215,15 @@ class SVG(ModelBasedAlgorithm):
         self.world_model.dynamics.precision = self.policy.precision
         loss = refresh(self.world_model, self.world_optimizer, self._rollouts, self.model_refresh, self.rng)
         self.logger.record("svg/model_loss", loss)
+        frozen = self.world_model.frozen()
         update_learning_rate(self.policy.optimizer, self._learning_rate_now())
-        weights, rollouts = self.loss_weights.at(self.num_timesteps), list(self._rollouts)
-        to_come = self._critic_training.learned(self.num_timesteps, weights, rollouts)
-        frozen, recent, logs = self.world_model.frozen(), rollouts[-self.recent_rollouts :], list[dict[str, float]]()
+        weights, logs = self.loss_weights.at(self.num_timesteps), list[dict[str, float]]()
+        to_come = self._critic_training.learned(self.num_timesteps, weights, self._rollouts.latest(RECENT))
         with self.weight_average.learning():
             for number in range(self.gradient_steps):
-                rollout = recent[-1 if number % 2 == 0 else self.rng.integers(len(recent))]
+                rollout = self._rollouts.chosen(number, self.recent_rollouts)
                 logs.append(self._improve(frozen, rollout, weights, to_come))
-        for name in logs[0]:
-            self.logger.record(f"svg/{name}", float(np.mean([log[name] for log in logs])))
+        record_means(self.logger, logs)
 
     def _improve(
         self, model: WorldModel, rollout: RealRollout, weights: groups.LossWeights, to_come: CostToCome | None

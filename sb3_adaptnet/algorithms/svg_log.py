@@ -2,6 +2,7 @@
 
 import sys
 import time
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,12 @@ def record_rollout(logger: Logger, errors: NDArray[np.floating], lengths: list[i
     logger.record("rollout/tracking_error", float(np.nanmean(errors)))
     if lengths:
         logger.record("rollout/episode_steps", float(np.mean(lengths)))
+
+
+def record_means(logger: Logger, updates: Sequence[Mapping[str, float]]) -> None:
+    """Means of what the updates of a round gave."""
+    for name in updates[0]:
+        logger.record(f"svg/{name}", float(np.mean([update[name] for update in updates])))
 
 
 def record_times(algorithm: BaseAlgorithm, iteration: int) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 import torch
 
 from sb3_adaptnet.algorithms.imagination import Imagined
-from sb3_adaptnet.algorithms.real_rollout import Guided
+from sb3_adaptnet.algorithms.rollouts.real_rollout import Guided
 from sb3_adaptnet.algorithms.svg_settings import LossWeights
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.tracking_loss import tracking_loss

@@ -212,6 +212,16 @@ def check_positive(**numbers: int) -> None:
             raise ValueError(f"{name} is {number}, expected at least 1")
 
 
+def check_window(window: int, steps: int) -> None:
+    """Refuse a window that a rollout of so many steps does not have.
+
+    Raises:
+        ValueError: for one below 1 or above `steps`.
+    """
+    if not 0 < window <= steps:
+        raise ValueError(f"window is {window}, expected 1 to n_steps, which is {steps}")
+
+
 def grouped(kind: type[Group], given: Group | Mapping[str, Any] | None) -> Group:
     """A group of settings, from itself, a mapping, or None for the defaults.
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.real_rollout import Moment
+from sb3_adaptnet.algorithms.rollouts.real_rollout import Moment
 from sb3_adaptnet.algorithms.svg_settings import Episodes
 from sb3_adaptnet.algorithms.tracking.guide import Guidance, Guide, Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES, TrackedMotion

@@ -20,12 +20,12 @@ def svg(make_svg):
 
 
 def window(svg, steps=4):
-    return imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts[-1], 1, steps)
+    return imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0], 1, steps)
 
 
 def test_it_reads_real_and_imagined_states_alike(svg):
     svg.collect_rollout(quiet())
-    judged = svg._critic_training._judged(svg._rollouts[-1], svg.loss_weights.at(0))
+    judged = svg._critic_training._judged(svg._rollouts.latest(1)[0], svg.loss_weights.at(0))
     read = judged.inputs.view(*judged.costs.shape, -1)
     with torch.no_grad(), svg.weight_average.learning():
         steps = list(window(svg))
@@ -57,7 +57,7 @@ def test_slopes_reach_the_policy_through_the_value_alone(svg):
 def test_it_explains_the_costs_of_one_rollout_after_a_while(svg):
     training: CriticTraining = svg._critic_training
     for _ in range(100):
-        log = training.learn(svg.loss_weights.at(0), [svg._rollouts[-1]])
+        log = training.learn(svg.loss_weights.at(0), [svg._rollouts.latest(1)[0]])
     assert log["critic_explains"] > 0.5
     assert log["cost_to_go"] > 0
     assert not any(p.requires_grad for p in svg.critic.parameters())
@@ -65,7 +65,10 @@ def test_it_explains_the_costs_of_one_rollout_after_a_while(svg):
 
 def test_rare_falls_count_by_how_often_they_come(svg):
     training: CriticTraining = svg._critic_training
-    rng, state = np.random.default_rng(0), training._judged(svg._rollouts[-1], svg.loss_weights.at(0)).inputs[:1]
+    rng, state = (
+        np.random.default_rng(0),
+        training._judged(svg._rollouts.latest(1)[0], svg.loss_weights.at(0)).inputs[:1],
+    )
     training.critic.requires_grad_(True)
     for _ in range(400):
         costs = np.where(rng.random(512) < 0.05, 250.0, 50.0)
@@ -76,12 +79,12 @@ def test_rare_falls_count_by_how_often_they_come(svg):
 def test_what_an_end_costs_may_grow_with_the_samples(svg):
     training: CriticTraining = svg._critic_training
     training.settings = CostToGo(weight=1.0, end_cost={0: 100.0, 1000: 300.0}, discount=0.9, updates=(1, 1))
-    judged = training._judged(svg._rollouts[-1], svg.loss_weights.at(0))
+    judged = training._judged(svg._rollouts.latest(1)[0], svg.loss_weights.at(0))
     failed = torch.zeros_like(judged.failed)
     failed[-1] = True
     doomed = judged._replace(failed=failed, ended=failed)
     for samples, end_cost in ((0, 100.0), (500, 200.0), (5000, 300.0)):
-        assert training.learned(samples, svg.loss_weights.at(0), [svg._rollouts[-1]]) is not None
+        assert training.learned(samples, svg.loss_weights.at(0), [svg._rollouts.latest(1)[0]]) is not None
         aims = training._aims(doomed).view_as(failed)
         assert torch.allclose(aims[-2], torch.tensor(0.9 * end_cost))
 
@@ -100,7 +103,7 @@ def test_it_learns_long_before_it_first_acts(make_svg):
 def test_the_average_of_its_weights_judges(make_svg, monkeypatch, decay):
     svg = make_svg(episodes={"steps": (3, 9), "loose_share": 0}, cost_to_go={**SHORT, "average_decay": decay})
     training: CriticTraining = svg.learn(96)._critic_training
-    losses, rollout, weights = svg.loss_weights.at(0), svg._rollouts[-1], list(svg.critic.layers.parameters())
+    losses, rollout, weights = svg.loss_weights.at(0), svg._rollouts.latest(1)[0], list(svg.critic.layers.parameters())
     before = [weight.detach().clone() for weight in weights]
     with svg.critic.average.learning():
         latest = [weight.detach().clone() for weight in weights]

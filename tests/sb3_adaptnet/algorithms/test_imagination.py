@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torch
+from rollout_cases import quiet
 
 from adapt_envs.tasks.goal import goal_observation
 from sb3_adaptnet.algorithms.imagination import goal_features, imagine
@@ -19,7 +20,7 @@ def svg(make_svg):
 
 def test_an_unchanged_policy_imagines_the_real_rollout(svg):
     svg.collect_rollout(quiet())
-    rollout = svg._rollouts[-1]
+    rollout = svg._rollouts.latest(1)[0]
     steps = list(imagine(svg._mean_action, svg.world_model.frozen(), rollout, 2, 6))
     data, alive = rollout.transitions, rollout.alive(2, 6)
     assert alive[0].any()
@@ -42,12 +43,12 @@ def test_the_first_step_sees_what_the_policy_saw(svg):
         seen.append(observation)
         return svg._mean_action(observation)
 
-    next(imagine(mean_action, svg.world_model.frozen(), svg._rollouts[-1], 0, 1))
+    next(imagine(mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0], 0, 1))
     assert torch.allclose(seen[0], torch.as_tensor(observations), atol=1e-4)
 
 
 def test_gradients_reach_the_policy_from_the_last_step(svg):
-    steps = list(imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts[-1], 0, 4))
+    steps = list(imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0], 0, 4))
     weights = [p for p in svg.policy.actor.parameters() if p.requires_grad]
     grads = torch.autograd.grad(steps[-1].state.angles.square().mean(), weights, allow_unused=True)
     assert any(grad is not None and bool(grad.abs().max() > 0) for grad in grads)
@@ -63,11 +64,3 @@ def test_goals_are_seen_as_the_environments_see_them():
     position = torch.tensor(np.column_stack([xy, np.ones(9)]).T)
     found = goal_features(view, position, torch.tensor(target), torch.tensor(speed))
     assert np.allclose(found.numpy(), goal_observation(xy, heading, target, speed), atol=1e-5)
-
-
-def quiet():
-    class Nothing:
-        def __getattr__(self, name):
-            return lambda *_: True
-
-    return Nothing()

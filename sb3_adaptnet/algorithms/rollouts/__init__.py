@@ -1,0 +1,1 @@
+"""What happened in the worlds, as it is learned from."""

@@ -1,0 +1,60 @@
+"""Each rollout is kept once, or twice with one half of the worlds in the mirror each time."""
+
+import numpy as np
+import pytest
+from rollout_cases import quiet
+
+from sb3_adaptnet.algorithms.rollouts.recent_rollouts import RecentRollouts
+from sb3_adaptnet.algorithms.rollouts.reflection import Reflection
+
+
+@pytest.fixture
+def svg(make_svg):
+    model = make_svg(6, "AdaptNet/Humanoid-GooseStep-v0", mirror=True)
+    model.learn(48)
+    return model
+
+
+@pytest.fixture
+def rollouts(svg):
+    found = []
+    for _ in range(3):
+        svg.collect_rollout(quiet())
+        found.append(svg._rollouts.latest(1)[0])
+    return found
+
+
+def test_without_a_reflection_the_latest_are_kept_as_they_are(rollouts):
+    recent = RecentRollouts(2, None, np.random.default_rng(0))
+    for rollout in rollouts:
+        recent.add(rollout, 0.0)
+    assert recent.latest(5) == rollouts[1:]
+    assert recent.latest(1) == [recent.chosen(0, 2)] == rollouts[2:]
+    assert {recent.chosen(1, 2) for _ in range(20)} == set(rollouts[1:])
+
+
+def test_both_halves_see_the_mirror(svg, rollouts):
+    reflection = Reflection.of(svg.world_model.character, svg.motion)
+    recent = RecentRollouts(2, reflection, np.random.default_rng(0))
+    for rollout in rollouts:
+        recent.add(rollout, 0.0)
+    assert len(recent.latest(5)) == 4
+    one, other = recent.latest(1)
+    same = [(form.headings == rollouts[-1].headings).all(axis=0) for form in (one, other)]
+    assert same[0].sum() == 3
+    assert np.array_equal(same[0], ~same[1])
+    assert recent.chosen(0, 2) is other
+    assert recent.chosen(2, 2) is one
+
+
+def test_svg_learns_from_the_mirror_only_where_the_motion_is_symmetric(svg, make_svg):
+    assert len(svg._rollouts.latest(1)) == 2
+    plain = make_svg(6, "AdaptNet/Humanoid-Limp-v0", mirror=True).learn(48)
+    assert len(plain._rollouts.latest(1)) == 1
+
+
+def test_a_saved_model_still_knows_that_it_shall_look_into_the_mirror(svg, tmp_path):
+    svg.save(tmp_path / "model")
+    loaded = type(svg).load(tmp_path / "model", env=svg.env, device="cpu")
+    loaded.learn(48, reset_num_timesteps=False)
+    assert len(loaded._rollouts.latest(1)) == 2
