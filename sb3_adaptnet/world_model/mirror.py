@@ -1,5 +1,6 @@
 """A character in a mirror: left and right exchanged, reflected in the x-z plane of the world."""
 
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -15,6 +16,7 @@ _TOLERANCE = 1e-4
 """Measures [m, rad] of left and right that differ by less are equal."""
 
 
+@dataclass(frozen=True, eq=False)
 class Mirror:
     """Exchanges left and right in states, actions and links of a symmetric character.
 
@@ -24,9 +26,9 @@ class Mirror:
         signs: (J,) what a joint's angle is multiplied by.
     """
 
-    def __init__(self, links: NDArray[np.integer], joints: NDArray[np.integer], signs: NDArray[np.float32]) -> None:
-        """Take over the twins; `of` finds them."""
-        self.links, self.joints, self.signs = links, joints, signs
+    links: NDArray[np.integer]
+    joints: NDArray[np.integer]
+    signs: NDArray[np.float32]
 
     @classmethod
     def of(cls, character: Character) -> Self | None:

@@ -140,4 +140,4 @@ def test_all_styles_learn_by_one_and_the_same_entry():
     found = units_of(read_sweep("styles"), 2)
     assert sorted(unit.settings.env_id for unit in found) == sorted(map(env_id, STYLES))
     assert all(unit.entry == found[0].entry and unit.settings.algo == "svg" for unit in found)
-    assert found[0].settings.samples == 620_000
+    assert found[0].settings.samples == 780_000
