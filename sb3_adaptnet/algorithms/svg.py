@@ -117,7 +117,7 @@ class SVG(ModelBasedAlgorithm):
         groups.check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
         self.gradient_steps, self.recent_rollouts = gradient_steps, recent_rollouts
-        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), mirror
+        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), groups.flag("mirror", mirror)
         self.episodes = groups.grouped(groups.Episodes, episodes)
         self.guiding = groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)

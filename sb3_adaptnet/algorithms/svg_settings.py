@@ -222,6 +222,17 @@ def check_window(window: int, steps: int) -> None:
         raise ValueError(f"window is {window}, expected 1 to n_steps, which is {steps}")
 
 
+def flag(name: str, value: bool) -> bool:
+    """The value itself.
+
+    Raises:
+        ValueError: if it is neither True nor False: "no" would count as yes.
+    """
+    if not isinstance(value, bool):
+        raise ValueError(f"{name} is {value!r}, expected True or False")
+    return value
+
+
 def grouped(kind: type[Group], given: Group | Mapping[str, Any] | None) -> Group:
     """A group of settings, from itself, a mapping, or None for the defaults.
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.rollouts.real_rollout import Moment
+from sb3_adaptnet.algorithms.rollouts.real_rollout import Moment, root_headings
 from sb3_adaptnet.algorithms.svg_settings import Episodes
 from sb3_adaptnet.algorithms.tracking.guide import Guidance, Guide, Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES, TrackedMotion
@@ -104,8 +104,7 @@ class TrackedWorlds:
         self._ages[ids], self._limits[ids] = 0, self.rng.integers(lengths[:, 0], lengths[:, 1] + 1)
 
     def _root_headings(self) -> NDArray[np.floating]:
-        w, x, y, z = self.env.simulation.physics_states.qpos[:, 3:7].T
-        return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+        return root_headings(self.env.simulation.physics_states.qpos)
 
     def now(self) -> Moment:
         """The worlds before the next step."""

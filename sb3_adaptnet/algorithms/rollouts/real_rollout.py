@@ -154,3 +154,9 @@ class RolloutRecorder:
 def moving(values: NDArray[np.generic], device: torch.device) -> torch.Tensor:
     """An array as a tensor on a device."""
     return torch.as_tensor(values).to(device)
+
+
+def root_headings(qpos: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Headings (...) [rad], world, of the roots in MuJoCo's positions (..., 7 + J)."""
+    w, x, y, z = np.moveaxis(qpos[..., 3:7], -1, 0)
+    return np.asarray(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.rollouts.real_rollout import RealRollout
+from sb3_adaptnet.algorithms.rollouts.real_rollout import RealRollout, root_headings
 from sb3_adaptnet.algorithms.tracking.gaits import Gaits
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.character import Character
@@ -80,7 +80,6 @@ def straight_behind(rollout: RealRollout, within: float) -> NDArray[np.bool_]:
     """(T, N) whether the target is within an angle [rad] of straight behind the guide or the character after a step."""
     qpos = rollout.transitions.qpos[1:]
     x, y = np.moveaxis(rollout.targets[1:] - qpos[..., :2], -1, 0)
-    w, i, j, k = np.moveaxis(qpos[..., 3:7], -1, 0)
-    target, own = np.arctan2(y, x), np.arctan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))
-    behind = [np.cos(target - heading) < -np.cos(within) for heading in (rollout.headings, own)]
+    headings = (rollout.headings, root_headings(qpos))
+    behind = [np.cos(np.arctan2(y, x) - heading) < -np.cos(within) for heading in headings]
     return behind[0] | behind[1]

@@ -65,10 +65,8 @@ def test_it_explains_the_costs_of_one_rollout_after_a_while(svg):
 
 def test_rare_falls_count_by_how_often_they_come(svg):
     training: CriticTraining = svg._critic_training
-    rng, state = (
-        np.random.default_rng(0),
-        training._judged(svg._rollouts.latest(1)[0], svg.loss_weights.at(0)).inputs[:1],
-    )
+    judged = training._judged(svg._rollouts.latest(1)[0], svg.loss_weights.at(0))
+    rng, state = np.random.default_rng(0), judged.inputs[:1]
     training.critic.requires_grad_(True)
     for _ in range(400):
         costs = np.where(rng.random(512) < 0.05, 250.0, 50.0)

@@ -53,6 +53,11 @@ def test_svg_learns_from_the_mirror_only_where_the_motion_is_symmetric(svg, make
     assert len(plain._rollouts.latest(1)) == 1
 
 
+def test_a_mirror_is_there_or_not(make_svg):
+    with pytest.raises(ValueError, match="mirror is 'no', expected True or False"):
+        make_svg(mirror="no")
+
+
 def test_a_saved_model_still_knows_that_it_shall_look_into_the_mirror(svg, tmp_path):
     svg.save(tmp_path / "model")
     loaded = type(svg).load(tmp_path / "model", env=svg.env, device="cpu")
