@@ -35,7 +35,7 @@ ERROR_SCALE = 100.0
 """Errors are squared in this unit. A loss that grows straight would find medians, and miss falls: they are rare."""
 HARMONICS = 3
 """Sines and cosines of so many multiples of the phase's angle tell the phase."""
-TASK_NUMBERS = 9 + 2 * HARMONICS
+TASK_NUMBERS = 10 + 2 * HARMONICS
 """Numbers that tell the critic what a state should be like."""
 _FIRST_SHARE = 0.1
 """The last layer starts with so small a share of its usual weights."""
@@ -74,7 +74,7 @@ class CostCritic(nn.Module):
 def critic_inputs(
     model: WorldModel, motion: TrackedMotion, state: State, view: HeadingView, guided: Guided
 ) -> torch.Tensor:
-    """What the critic reads, (B, n): posture, and the errors, phase and goal relative to the guide."""
+    """What the critic reads, (B, n): posture, and the strength, and errors, phase and goal relative to the guide."""
     errors = travel_errors(state.velocity, view, motion, guided.phases, guided.headings, guided.speeds)
     cos, sin = torch.cos(guided.headings), torch.sin(guided.headings)
     x, y = guided.targets.t() - state.position[:2]
@@ -90,6 +90,7 @@ def critic_inputs(
         (cos * y - sin * x) / distance,
         torch.tanh(distance),
         guided.turn_rates,
+        3 * (guided.strengths - 1),
         *(wave(number * angle) for number in range(1, HARMONICS + 1) for wave in (torch.sin, torch.cos)),
     ]
     return torch.cat((model.posture(view, state), torch.stack(task, dim=1)), dim=1)

@@ -37,8 +37,6 @@ from sb3_adaptnet.world_model.world_file import beside_base, read_world
 
 ADAM = {"eps": 1e-8, "betas": (0.9, 0.98)}
 """The policy's optimiser: gradients are small, and a rollout's windows resemble each other."""
-
-
 NEW = "new"
 """In place of a world model's file: begin one from nothing."""
 
@@ -200,6 +198,9 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         with self.weight_average.acting():
             return super().predict(*args, **kwargs)
 
+    def _mean_action(self, observations: torch.Tensor) -> torch.Tensor:
+        return self.policy.get_distribution(observations).mode()
+
     def _steady_action(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         return self.predict(observations, deterministic=True)[0]
 
@@ -223,15 +224,21 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         }
 
     def set_world_state(self, state: Mapping[str, Any]) -> None:
-        """Restore what `world_state` gave."""
+        """Restore what `world_state` gave.
+
+        Raises:
+            ValueError: for the state of an older version, whose critic read fewer numbers.
+        """
+        read = state["critic"]["layers.0.weight"].shape[1]
+        if read != (now := self.critic.layers[0].in_features):  # older ones' did not read the strength
+            raise ValueError(f"the checkpoint's critic reads {read} numbers, now there are {now}: begin the run anew")
         self.world_model.load_state_dict(state["model"])
         restore_moments(self.world_optimizer, state["optimizer"])
         self.weight_average.load_state_dict(state["latest"])
         self.norm_limit.mean = state["gradient_norm"]
-        self.critic.load_state_dict(state["critic"], strict=False)  # older checkpoints have no average of it
+        self.critic.load_state_dict(state["critic"])
         restore_moments(self.critic_optimizer, state["critic_optimizer"])
-        self._fits_done = state.get("fits_done", 0)  # older checkpoints have none
-        self._begun = state.get("begun", False)
+        self._fits_done, self._begun = state["fits_done"], state["begun"]
         self.rng.bit_generator.state = json.loads(state["rng"])
 
     def _excluded_save_params(self) -> list[str]:

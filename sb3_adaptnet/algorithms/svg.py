@@ -16,6 +16,7 @@ from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
 from sb3_adaptnet.algorithms import svg_settings as groups
+from sb3_adaptnet.algorithms.checks import check_positive, check_window, flag
 from sb3_adaptnet.algorithms.cost_critic import RECENT, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
@@ -24,6 +25,7 @@ from sb3_adaptnet.algorithms.model_learning import refresh
 from sb3_adaptnet.algorithms.rollouts.real_rollout import RealRollout, RolloutRecorder
 from sb3_adaptnet.algorithms.rollouts.recent_rollouts import RecentRollouts
 from sb3_adaptnet.algorithms.rollouts.reflection import Reflection
+from sb3_adaptnet.algorithms.rollouts.strengths import acting_at, check_share
 from sb3_adaptnet.algorithms.svg_log import record_means, record_rollout, record_times
 from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss
 from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
@@ -39,7 +41,8 @@ class SVG(ModelBasedAlgorithm):
     """Adapts a policy of this package to the environment's reference motion and goals.
 
     Every `learn` begins new episodes in all worlds. The policy is the running average of the weights, but for callbacks
-    within a rollout (`on_step`), which see the latest ones; `predict` and `save` use the average even there.
+    within a rollout (`on_step`), which see the latest ones, and an adaptation that acts in part (`partial_share` of
+    `Episodes`); `predict` and `save` use the average even there.
 
     Attributes:
         motion: what is tracked, once it learns.
@@ -113,12 +116,13 @@ class SVG(ModelBasedAlgorithm):
             stats_window_size=stats_window_size, tensorboard_log=tensorboard_log, verbose=verbose, device=device,
             seed=seed, init_setup_model=_init_setup_model,
         )  # fmt: skip
-        groups.check_window(window, n_steps)
-        groups.check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
+        check_window(window, n_steps)
+        check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
         self.gradient_steps, self.recent_rollouts = gradient_steps, recent_rollouts
-        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), groups.flag("mirror", mirror)
+        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), flag("mirror", mirror)
         self.episodes = groups.grouped(groups.Episodes, episodes)
+        check_share(self.policy_class, self.episodes.partial_share)
         self.guiding = groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)
         self.loss_weights = groups.LossSchedules.of(loss_weights)
@@ -169,8 +173,8 @@ class SVG(ModelBasedAlgorithm):
         self._last_obs = observations = cast(NDArray[np.float32], env.reset())  # an array: there is no heightmap
         self._worlds.begin(observations)
         reflection = Reflection.of(self.world_model.character, self.motion) if self.mirror else None
-        most = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT)
-        self._rollouts = RecentRollouts(most, reflection, self.rng)
+        kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT)
+        self._rollouts = RecentRollouts(kept, reflection, self.rng)
 
     def collect_rollout(self, callback: BaseCallback) -> bool:
         """Act in all worlds for `n_steps` control steps; returns whether the callbacks want to go on."""
@@ -180,7 +184,7 @@ class SVG(ModelBasedAlgorithm):
         worlds.resynchronise(observations)
         self.policy.set_training_mode(False)
         callback.on_rollout_start()
-        with self.weight_average.learning():
+        with self.weight_average.learning(), acting_at(self.policy, worlds.strength):
             for _ in range(self.n_steps):
                 before = worlds.now()
                 actions, noise = self._act(observations)
@@ -194,8 +198,8 @@ class SVG(ModelBasedAlgorithm):
                 recorder.add(before, actions, noise, step.guidance, step.ended, step.failed)
                 errors.append(step.errors)
                 self._last_obs = observations = new_obs
-        self._rollouts.add(recorder.finish(worlds.now()), worlds.guide.left_from_behind)
-        record_rollout(self.logger, np.stack(errors), worlds.lengths)
+        self._rollouts.add(recorder.finish(worlds.now(), worlds.strength), worlds.guide.left_from_behind)
+        record_rollout(self.logger, np.stack(errors), worlds)
         callback.on_rollout_end()
         return True
 
@@ -206,23 +210,18 @@ class SVG(ModelBasedAlgorithm):
         noise = self.exploration.noise(mean.shape, self.rng)
         return np.clip(mean + noise, -1, 1), noise
 
-    def _mean_action(self, observations: torch.Tensor) -> torch.Tensor:
-        return self.policy.get_distribution(observations).mode()
-
     def train(self) -> None:
         """Refresh the model, then descend along windows of the latest rollouts."""
         self.policy.set_training_mode(True)
         self.world_model.dynamics.precision = self.policy.precision
         loss = refresh(self.world_model, self.world_optimizer, self._rollouts, self.model_refresh, self.rng)
         self.logger.record("svg/model_loss", loss)
-        frozen = self.world_model.frozen()
         update_learning_rate(self.policy.optimizer, self._learning_rate_now())
-        weights, logs = self.loss_weights.at(self.num_timesteps), list[dict[str, float]]()
+        frozen, weights = self.world_model.frozen(), self.loss_weights.at(self.num_timesteps)
         to_come = self._critic_training.learned(self.num_timesteps, weights, self._rollouts.latest(RECENT))
         with self.weight_average.learning():
-            for number in range(self.gradient_steps):
-                rollout = self._rollouts.chosen(number, self.recent_rollouts)
-                logs.append(self._improve(frozen, rollout, weights, to_come))
+            chosen = (self._rollouts.chosen(number, self.recent_rollouts) for number in range(self.gradient_steps))
+            logs = [self._improve(frozen, rollout, weights, to_come) for rollout in chosen]
         record_means(self.logger, logs)
 
     def _improve(
@@ -230,7 +229,7 @@ class SVG(ModelBasedAlgorithm):
     ) -> dict[str, float]:
         """One update of the policy along a window of a rollout; returns what to log."""
         start = int(self.rng.integers(len(rollout) - self.window + 1))
-        with self.policy.actor.one_update(self.window):
+        with acting_at(self.policy, rollout.strength), self.policy.actor.one_update(self.window):
             steps = imagine(self._mean_action, model, rollout, start, self.window, self.taming)
             loss, parts = window_loss(steps, self.motion, weights, to_come)
             self.policy.optimizer.zero_grad()

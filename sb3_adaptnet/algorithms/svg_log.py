@@ -10,12 +10,15 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import safe_mean
 
+from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
 
-def record_rollout(logger: Logger, errors: NDArray[np.floating], lengths: list[int]) -> None:
-    """Mean tracking error [m] over steps and worlds (T, N), and the lengths of the episodes that ended."""
+
+def record_rollout(logger: Logger, errors: NDArray[np.floating], worlds: TrackedWorlds) -> None:
+    """Mean tracking error [m] over steps and worlds (T, N), the episodes' lengths, and the adaptation's strength."""
     logger.record("rollout/tracking_error", float(np.nanmean(errors)))
-    if lengths:
-        logger.record("rollout/episode_steps", float(np.mean(lengths)))
+    logger.record("rollout/strength", worlds.strength)
+    if worlds.lengths:
+        logger.record("rollout/episode_steps", float(np.mean(worlds.lengths)))
 
 
 def record_means(logger: Logger, updates: Sequence[Mapping[str, float]]) -> None:

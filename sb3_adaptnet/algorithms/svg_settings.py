@@ -7,6 +7,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from sb3_adaptnet.algorithms.checks import check_positive
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
 from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, checked_decay, value_at
@@ -26,6 +27,9 @@ class Episodes:
         calm_seconds: so long [s] after turning only the loose limit holds.
         goal_spread: share of the circle, centred ahead, that new goals lie in; 1 is the task's own.
         loose_goal_spread: the same of loose worlds.
+        partial_share: share of the time in which the adaptation acts in part, at a strength drawn from 0 to 1: half a
+            style then steers, too, and a whole one better. Only falls end such episodes, and the style's loss counts by
+            the strength squared.
         steps: fewest and most control steps of an episode.
         loose_steps: the same of a loose world.
     """
@@ -36,6 +40,7 @@ class Episodes:
     calm_seconds: float = 1.5
     goal_spread: Schedule = 1.0
     loose_goal_spread: Schedule = 1.0
+    partial_share: Schedule = 0.0
     steps: tuple[int, int] = (50, 150)
     loose_steps: tuple[int, int] = (100, 450)
 
@@ -45,8 +50,9 @@ class Episodes:
         Raises:
             ValueError: for a negative limit, share or time, or numbers of steps that do not rise.
         """
-        for name in ("error_limit", "loose_limit", "loose_share", "calm_seconds", "goal_spread", "loose_goal_spread"):
-            check_schedule(name, getattr(self, name))
+        for name in fields(self):
+            if name.name not in ("steps", "loose_steps"):
+                check_schedule(name.name, getattr(self, name.name))
         for fewest, most in (self.steps, self.loose_steps):
             if not 0 < fewest <= most:
                 raise ValueError(f"episodes of {fewest} to {most} steps do not exist")
@@ -199,38 +205,6 @@ class LossSchedules:
     def at(self, samples: int) -> LossWeights:
         """The weights after `samples` samples."""
         return LossWeights(**{name: value_at(schedule, samples) for name, schedule in self.weights.items()})
-
-
-def check_positive(**numbers: int) -> None:
-    """Refuse numbers of things of which there must be one.
-
-    Raises:
-        ValueError: for one below 1, with its name.
-    """
-    for name, number in numbers.items():
-        if number < 1:
-            raise ValueError(f"{name} is {number}, expected at least 1")
-
-
-def check_window(window: int, steps: int) -> None:
-    """Refuse a window that a rollout of so many steps does not have.
-
-    Raises:
-        ValueError: for one below 1 or above `steps`.
-    """
-    if not 0 < window <= steps:
-        raise ValueError(f"window is {window}, expected 1 to n_steps, which is {steps}")
-
-
-def flag(name: str, value: bool) -> bool:
-    """The value itself.
-
-    Raises:
-        ValueError: if it is neither True nor False: "no" would count as yes.
-    """
-    if not isinstance(value, bool):
-        raise ValueError(f"{name} is {value!r}, expected True or False")
-    return value
 
 
 def grouped(kind: type[Group], given: Group | Mapping[str, Any] | None) -> Group:

@@ -1,28 +1,17 @@
 """One adaptation at several strengths: the interpolation of the paper's sec. 8.1, as clips to draw."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 from adapt_envs import AdaptVectorEnv
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.progress import Progress
 from sb3_adaptnet.evaluation.recording import Acting, Recording, record_straight
 from sb3_adaptnet.evaluation.rollout_clips import typical_clip
+from sb3_adaptnet.modules.adaptation.at_alpha import at_alpha
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 ALPHAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Strengths that are drawn beside each other."""
-
-
-@contextmanager
-def at_alpha(policy: AdaptNetPolicy, alpha: float) -> Iterator[None]:
-    """The policy at another strength for a while."""
-    before = policy.alpha
-    policy.alpha = alpha
-    try:
-        yield
-    finally:
-        policy.alpha = before
 
 
 def record_base(

@@ -39,6 +39,7 @@ class Guided(NamedTuple):
         style: (B,) what the style's loss is worth.
         targets: (B, 2) of the goals [m], world.
         speeds: (B,) preferred [m/s].
+        strengths: (B,) at which the adaptation acted.
         weights: (B,) 1 where the episode went on, else 0.
         last: (B,) whether the world is seen for the last time in its episode or window.
     """
@@ -49,6 +50,7 @@ class Guided(NamedTuple):
     style: torch.Tensor
     targets: torch.Tensor
     speeds: torch.Tensor
+    strengths: torch.Tensor
     weights: torch.Tensor
     last: torch.Tensor
 
@@ -69,8 +71,9 @@ class RealRollout:
         phases: (T, N) of the reference motion after each step.
         headings: (T, N) of the guides after each step [rad], world.
         turn_rates: (T, N) of the guides [rad/s].
-        style: (T, N) what the style's loss is worth after each step.
+        style: (T, N) what the style's loss is worth after each step; less at part of the strength, by its square.
         failed: (T, N) whether the step ended an episode by a fall or by its error.
+        strength: at which the adaptation acted, 1 for the whole.
     """
 
     transitions: Transitions
@@ -83,6 +86,7 @@ class RealRollout:
     turn_rates: NDArray[np.float32]
     style: NDArray[np.float32]
     failed: NDArray[np.bool_]
+    strength: float
 
     def __len__(self) -> int:
         """T."""
@@ -96,7 +100,8 @@ class RealRollout:
         """What the worlds should look like after a step; `alive` and `last` (N,) become `weights` and `last`."""
         parts = [part[step] for part in (self.phases, self.headings, self.turn_rates, self.style)]
         goals = [self.targets[step + 1], self.speeds[step + 1]]
-        return Guided(*(moving(part, device) for part in (*parts, *goals, alive.astype(np.float32), last)))
+        strengths = np.full(len(alive), self.strength, np.float32)
+        return Guided(*(moving(part, device) for part in (*parts, *goals, strengths, alive.astype(np.float32), last)))
 
 
 class RolloutRecorder:
@@ -128,8 +133,8 @@ class RolloutRecorder:
         self._ended.append(ended)
         self._failed.append(failed)
 
-    def finish(self, last: Moment) -> RealRollout:
-        """The rollout, given the worlds after its last step."""
+    def finish(self, last: Moment, strength: float) -> RealRollout:
+        """The rollout, given the worlds after its last step, and at which strength the adaptation acted."""
         moments, guidance = [*self._moments, last], self._guidance
         transitions = Transitions(
             qpos=np.stack([moment.qpos for moment in moments]),
@@ -146,8 +151,9 @@ class RolloutRecorder:
             phases=np.stack([now.phases for now in guidance]),
             headings=np.stack([now.headings for now in guidance]),
             turn_rates=np.stack([now.turn_rates for now in guidance]),
-            style=np.stack([now.style for now in guidance]),
+            style=np.float32(strength**2) * np.stack([now.style for now in guidance]),
             failed=np.stack(self._failed),
+            strength=strength,
         )
 
 

@@ -3,6 +3,7 @@
 import pytest
 import torch
 
+from sb3_adaptnet.algorithms.checks import check_positive
 from sb3_adaptnet.algorithms.svg_loss import smoothness_loss
 from sb3_adaptnet.algorithms.svg_settings import (
     CostToGo,
@@ -10,7 +11,6 @@ from sb3_adaptnet.algorithms.svg_settings import (
     Exploration,
     LossSchedules,
     LossWeights,
-    check_positive,
     grouped,
 )
 

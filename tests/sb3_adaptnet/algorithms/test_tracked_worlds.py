@@ -78,3 +78,23 @@ def test_schedules_follow_the_samples(make_worlds):
     assert (worlds.error_limit, worlds.loose_limit) == (pytest.approx(0.1), pytest.approx(1.0))
     worlds.schedule(50)
     assert worlds.env.vector_env.unwrapped.goal_spread == pytest.approx(0.5)
+
+
+def test_in_part_only_falls_end_episodes_and_guides_begin_anew(make_worlds):
+    share = {0: 0.0, 1: 1.0}
+    worlds = make_worlds(error_limit=0.05, loose_limit=0.05, partial_share=share, steps=(90, 90), loose_steps=(90, 90))
+    assert worlds.strength == 1
+    observations = worlds.env.reset()
+    worlds.guide.phases[:] = 0
+    worlds.guide.turn_rates[:] = 1.0
+    worlds.schedule(1)
+    assert 0 < worlds.strength < 1
+    worlds.resynchronise(observations)
+    assert np.array_equal(worlds.guide.phases, worlds.guide.motion.nearest(worlds.guide.motion.seen_in(observations)))
+    assert not worlds.guide.turn_rates.any() and not worlds.guide.calm_steps.any()
+    for step in steps(worlds, 15):
+        assert np.array_equal(step.ended, step.dones)
+    worlds.guide.turn_rates[:] = 1.0
+    worlds.schedule(1)  # the same strength goes on
+    worlds.resynchronise(step.observations)
+    assert worlds.guide.turn_rates.all()

@@ -1,0 +1,33 @@
+"""What numbers and choices of SVG must be."""
+
+
+def check_positive(**numbers: int) -> None:
+    """Refuse numbers of things of which there must be one.
+
+    Raises:
+        ValueError: for one below 1, with its name.
+    """
+    for name, number in numbers.items():
+        if number < 1:
+            raise ValueError(f"{name} is {number}, expected at least 1")
+
+
+def check_window(window: int, steps: int) -> None:
+    """Refuse a window that a rollout of so many steps does not have.
+
+    Raises:
+        ValueError: for one below 1 or above `steps`.
+    """
+    if not 0 < window <= steps:
+        raise ValueError(f"window is {window}, expected 1 to n_steps, which is {steps}")
+
+
+def flag(name: str, value: bool) -> bool:
+    """The value itself.
+
+    Raises:
+        ValueError: if it is neither True nor False: "no" would count as yes.
+    """
+    if not isinstance(value, bool):
+        raise ValueError(f"{name} is {value!r}, expected True or False")
+    return value
