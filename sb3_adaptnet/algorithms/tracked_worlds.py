@@ -49,7 +49,7 @@ class TrackedWorlds:
         env: the worlds.
         guide: what they follow.
         error_limit, loose_limit: mean errors of the links' positions [m] at which an episode ends.
-        strength: at which the adaptation acts; in part, only falls end the episodes.
+        strength: at which the adaptation acts; in part, no episode ends by its error.
         loose: (N,) worlds with longer episodes and a wider limit.
         lengths: steps of the episodes that ended in the last rollout.
     """

@@ -80,7 +80,7 @@ def test_schedules_follow_the_samples(make_worlds):
     assert worlds.env.vector_env.unwrapped.goal_spread == pytest.approx(0.5)
 
 
-def test_in_part_only_falls_end_episodes_and_guides_begin_anew(make_worlds):
+def test_in_part_no_error_ends_an_episode_and_guides_begin_anew(make_worlds):
     share = {0: 0.0, 1: 1.0}
     worlds = make_worlds(error_limit=0.05, loose_limit=0.05, partial_share=share, steps=(90, 90), loose_steps=(90, 90))
     assert worlds.strength == 1
