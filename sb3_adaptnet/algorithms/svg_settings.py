@@ -50,9 +50,9 @@ class Episodes:
         Raises:
             ValueError: for a negative limit, share or time, or numbers of steps that do not rise.
         """
-        for name in fields(self):
-            if name.name not in ("steps", "loose_steps"):
-                check_schedule(name.name, getattr(self, name.name))
+        for name, value in vars(self).items():
+            if name not in ("steps", "loose_steps"):
+                check_schedule(name, value)
         for fewest, most in (self.steps, self.loose_steps):
             if not 0 < fewest <= most:
                 raise ValueError(f"episodes of {fewest} to {most} steps do not exist")
