@@ -74,7 +74,7 @@ class CostCritic(nn.Module):
 def critic_inputs(
     model: WorldModel, motion: TrackedMotion, state: State, view: HeadingView, guided: Guided
 ) -> torch.Tensor:
-    """What the critic reads, (B, n): posture, and the strength, and errors, phase and goal relative to the guide."""
+    """What the critic reads, (B, n): posture; errors, phase and goal relative to the guide; the strength."""
     errors = travel_errors(state.velocity, view, motion, guided.phases, guided.headings, guided.speeds)
     cos, sin = torch.cos(guided.headings), torch.sin(guided.headings)
     x, y = guided.targets.t() - state.position[:2]

@@ -6,7 +6,7 @@ from typing import Protocol
 
 
 class Scaled(Protocol):
-    """What has an alpha: a policy, or its actor."""
+    """What has an alpha."""
 
     alpha: float
 
