@@ -184,7 +184,7 @@ class SVG(ModelBasedAlgorithm):
         worlds.resynchronise(observations)
         self.policy.set_training_mode(False)
         callback.on_rollout_start()
-        with self.weight_average.learning(), acting_at(self.policy, worlds.strength):
+        with self.weight_average.learning():
             for _ in range(self.n_steps):
                 before = worlds.now()
                 actions, noise = self._act(observations)
@@ -198,7 +198,7 @@ class SVG(ModelBasedAlgorithm):
                 recorder.add(before, actions, noise, step.guidance, step.ended, step.failed)
                 errors.append(step.errors)
                 self._last_obs = observations = new_obs
-        self._rollouts.add(recorder.finish(worlds.now(), worlds.strength), worlds.guide.left_from_behind)
+        self._rollouts.add(recorder.finish(worlds.now(), worlds.strengths), worlds.guide.left_from_behind)
         record_rollout(self.logger, np.stack(errors), worlds)
         callback.on_rollout_end()
         return True
@@ -206,7 +206,8 @@ class SVG(ModelBasedAlgorithm):
     @torch.no_grad()
     def _act(self, observations: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Actions (N, J) and the noise that is in them."""
-        mean = self._mean_action(torch.as_tensor(observations, device=self.device)).cpu().numpy()
+        with acting_at(self.policy, self._worlds.strengths):
+            mean = self._mean_action(torch.as_tensor(observations, device=self.device)).cpu().numpy()
         noise = self.exploration.noise(mean.shape, self.rng)
         return np.clip(mean + noise, -1, 1), noise
 
@@ -229,7 +230,7 @@ class SVG(ModelBasedAlgorithm):
     ) -> dict[str, float]:
         """One update of the policy along a window of a rollout; returns what to log."""
         start = int(self.rng.integers(len(rollout) - self.window + 1))
-        with acting_at(self.policy, rollout.strength), self.policy.actor.one_update(self.window):
+        with acting_at(self.policy, rollout.strengths), self.policy.actor.one_update(self.window):
             steps = imagine(self._mean_action, model, rollout, start, self.window, self.taming)
             loss, parts = window_loss(steps, self.motion, weights, to_come)
             self.policy.optimizer.zero_grad()

@@ -14,9 +14,9 @@ from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
 
 
 def record_rollout(logger: Logger, errors: NDArray[np.floating], worlds: TrackedWorlds) -> None:
-    """Mean tracking error [m] over steps and worlds (T, N), the episodes' lengths, and the adaptation's strength."""
+    """Means of the tracking error [m], (T, N) over steps and worlds, of the episodes' lengths and of the strengths."""
     logger.record("rollout/tracking_error", float(np.nanmean(errors)))
-    logger.record("rollout/strength", worlds.strength)
+    logger.record("rollout/strength", float(worlds.strengths.mean()))
     if worlds.lengths:
         logger.record("rollout/episode_steps", float(np.mean(worlds.lengths)))
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.rollouts.real_rollout import Moment, root_headings
-from sb3_adaptnet.algorithms.rollouts.strengths import strength_at
+from sb3_adaptnet.algorithms.rollouts.strengths import strengths_at
 from sb3_adaptnet.algorithms.svg_settings import Episodes
 from sb3_adaptnet.algorithms.tracking.guide import Guidance, Guide, Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_motion import OBSERVED_FRAMES, TrackedMotion
@@ -49,7 +49,7 @@ class TrackedWorlds:
         env: the worlds.
         guide: what they follow.
         error_limit, loose_limit: mean errors of the links' positions [m] at which an episode ends.
-        strength: at which the adaptation acts; in part, no episode ends by its error.
+        strengths: (N,) at which the adaptation acts; in part, no episode ends by its error.
         loose: (N,) worlds with longer episodes and a wider limit.
         lengths: steps of the episodes that ended in the last rollout.
     """
@@ -74,7 +74,8 @@ class TrackedWorlds:
         self.env, self.rng = env, rng
         self.guide = Guide(motion, env.num_envs, guiding.longest_lead)
         self.error_limit = self.loose_limit = np.inf
-        self.strength, self._strength_is_new = 1.0, False
+        self.strengths = np.ones(env.num_envs, np.float32)
+        self._strength_is_new = np.zeros(env.num_envs, np.bool_)
         self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []
         self._episodes, self._guiding = episodes, guiding
@@ -96,10 +97,8 @@ class TrackedWorlds:
         self.loose = self._all < value_at(episodes.loose_share, samples) * len(self._all)
         spreads = value_at(episodes.goal_spread, samples), value_at(episodes.loose_goal_spread, samples)
         self.env.set_attr("goal_spread", np.where(self.loose, spreads[1], spreads[0]))
-        strength = strength_at(samples, len(self._all), value_at(episodes.partial_share, samples))
-        self.strength, self._strength_is_new = strength, strength != self.strength
-        if strength < 1:
-            self.error_limit = self.loose_limit = np.inf
+        strengths = strengths_at(samples, len(self._all), value_at(episodes.partial_share, samples))
+        self.strengths, self._strength_is_new = strengths, strengths != self.strengths
 
     def begin(self, observations: NDArray[np.float32]) -> None:
         """Guide all worlds from where the environment's reset put them; observations (N, 784)."""
@@ -128,14 +127,12 @@ class TrackedWorlds:
     def resynchronise(self, observations: NDArray[np.float32]) -> None:
         """Put the guides to the phases that the worlds are in, and forget the lengths of past episodes.
 
-        With a new strength the characters will move another way: guides begin from them anew, as after a turn.
+        With a new strength a character will move another way: its guide begins from it anew, as after a turn.
         """
-        seen = self.guide.motion.seen_in(observations)
-        if self._strength_is_new:
-            self.guide.restart(self._all, seen, self._root_headings())
-            self.guide.calm_steps[:] = 0
-        else:
-            self.guide.resynchronise(seen)
+        seen, new = self.guide.motion.seen_in(observations), np.flatnonzero(self._strength_is_new)
+        self.guide.resynchronise(seen)
+        self.guide.restart(new, seen, self._root_headings())
+        self.guide.calm_steps[new] = 0
         self.lengths = []
 
     def step(self, actions: NDArray[np.float32]) -> TrackedStep:
@@ -163,4 +160,5 @@ class TrackedWorlds:
     def _error_limits(self) -> NDArray[np.floating]:
         """(N,) [m]."""
         turning = self.guide.calm_steps * CONTROL_DT < self._episodes.calm_seconds
-        return np.where(self.loose | turning, self.loose_limit, self.error_limit)
+        limits = np.where(self.loose | turning, self.loose_limit, self.error_limit)
+        return np.where(self.strengths < 1, np.inf, limits)

@@ -73,7 +73,7 @@ class RealRollout:
         turn_rates: (T, N) of the guides [rad/s].
         style: (T, N) what the style's loss is worth after each step; less at part of the strength, by its square.
         failed: (T, N) whether the step ended an episode by a fall or by its error.
-        strength: at which the adaptation acted, 1 for the whole.
+        strengths: (N,) at which the adaptation acted, 1 for the whole.
     """
 
     transitions: Transitions
@@ -86,7 +86,7 @@ class RealRollout:
     turn_rates: NDArray[np.float32]
     style: NDArray[np.float32]
     failed: NDArray[np.bool_]
-    strength: float
+    strengths: NDArray[np.float32]
 
     def __len__(self) -> int:
         """T."""
@@ -99,9 +99,8 @@ class RealRollout:
     def guided(self, step: int, alive: NDArray[np.bool_], last: NDArray[np.bool_], device: torch.device) -> Guided:
         """What the worlds should look like after a step; `alive` and `last` (N,) become `weights` and `last`."""
         parts = [part[step] for part in (self.phases, self.headings, self.turn_rates, self.style)]
-        goals = [self.targets[step + 1], self.speeds[step + 1]]
-        strengths = np.full(len(alive), self.strength, np.float32)
-        return Guided(*(moving(part, device) for part in (*parts, *goals, strengths, alive.astype(np.float32), last)))
+        rest = [self.targets[step + 1], self.speeds[step + 1], self.strengths, alive.astype(np.float32), last]
+        return Guided(*(moving(part, device) for part in (*parts, *rest)))
 
 
 class RolloutRecorder:
@@ -133,8 +132,8 @@ class RolloutRecorder:
         self._ended.append(ended)
         self._failed.append(failed)
 
-    def finish(self, last: Moment, strength: float) -> RealRollout:
-        """The rollout, given the worlds after its last step, and at which strength the adaptation acted."""
+    def finish(self, last: Moment, strengths: NDArray[np.float32]) -> RealRollout:
+        """The rollout, given the worlds after its last step, and at which strengths (N,) the adaptation acted."""
         moments, guidance = [*self._moments, last], self._guidance
         transitions = Transitions(
             qpos=np.stack([moment.qpos for moment in moments]),
@@ -151,9 +150,9 @@ class RolloutRecorder:
             phases=np.stack([now.phases for now in guidance]),
             headings=np.stack([now.headings for now in guidance]),
             turn_rates=np.stack([now.turn_rates for now in guidance]),
-            style=np.float32(strength**2) * np.stack([now.style for now in guidance]),
+            style=strengths**2 * np.stack([now.style for now in guidance]),
             failed=np.stack(self._failed),
-            strength=strength,
+            strengths=strengths,
         )
 
 

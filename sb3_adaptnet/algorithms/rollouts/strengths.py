@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
+import torch
+from numpy.typing import NDArray
 from stable_baselines3.common.policies import BasePolicy
 
-from sb3_adaptnet.modules.adaptation.at_alpha import at_alpha
 from sb3_adaptnet.objectives.schedule import Schedule
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 STEPS = 96
-"""Control steps at least at one strength: 3.2 s, about as long as a target lasts. All worlds change at once, since the
-adaptors are summed with the layers, which is cheap for one strength alone."""
+"""Control steps at least at one strength: 3.2 s, about as long as a target lasts."""
 
 
 def check_share(policy: type[BasePolicy], share: Schedule) -> None:
@@ -26,22 +26,22 @@ def check_share(policy: type[BasePolicy], share: Schedule) -> None:
         raise ValueError(f"a {policy.__name__} has no alpha, which partial_share {share!r} changes; it must be 0")
 
 
-def strength_at(samples: int, worlds: int, share: float) -> float:
-    """The strength of a rollout that begins after so many samples of all worlds.
+def strengths_at(samples: int, worlds: int, share: float) -> NDArray[np.float32]:
+    """The strengths (N,) of a rollout that begins after so many samples of all worlds.
 
-    It depends on nothing else, so that a run that was stopped goes on by the same strengths.
+    They depend on nothing else, so that a run that was stopped goes on by the same ones.
 
     Args:
         samples: learned from until now.
-        worlds: that act at once.
-        share: of the time in which the strength is drawn evenly from 0 to 1; otherwise it is 1.
+        worlds: N that act at once.
+        share: of the time in which a world's strength is drawn evenly from 0 to 1; otherwise it is 1.
     """
-    in_part, strength = np.random.default_rng(samples // (STEPS * worlds)).random(2)
-    return float(strength) if in_part < share else 1.0
+    in_part, strengths = np.random.default_rng(samples // (STEPS * worlds)).random((2, worlds), np.float32)
+    return np.where(in_part < share, strengths, np.float32(1))
 
 
-def acting_at(policy: BasePolicy, strength: float) -> AbstractContextManager[None]:
-    """Scale the policy's alpha by a strength meanwhile; one of 1 changes nothing."""
-    if strength == 1 or not isinstance(policy, AdaptNetPolicy):
+def acting_at(policy: BasePolicy, strengths: NDArray[np.float32]) -> AbstractContextManager[None]:
+    """Let the adaptation act at a strength (N,) in each world, a factor on alpha; other policies have none."""
+    if not isinstance(policy, AdaptNetPolicy):
         return nullcontext()
-    return at_alpha(policy, policy.alpha * strength)
+    return policy.actor.at_strengths(torch.as_tensor(strengths, device=policy.device))

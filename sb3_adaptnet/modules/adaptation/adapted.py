@@ -12,6 +12,7 @@ from torch.nn import functional
 from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.adaptation.adaptation import Adaptation
 from sb3_adaptnet.modules.adaptation.companions import ActingCompanions, Companions
+from sb3_adaptnet.modules.adaptation.in_part import InPart
 from sb3_adaptnet.modules.backbone import Backbone, log_factor
 from sb3_adaptnet.modules.layers.normalizer import RunningNormalizer
 from sb3_adaptnet.modules.layers.regularizers import penalise_distance
@@ -42,6 +43,7 @@ class AdaptedActor(Actor):
         penalties: coefficients of eq. 12, used while gradients are computed.
         noise: factor on the base's standard deviations.
         companions: adaptations that act beside these in worlds that name one, or None.
+        in_part: the rows of the batches to come in which all adaptations act in part, or None.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class AdaptedActor(Actor):
         self.penalties = penalties or Penalties()
         self.log_noise = log_factor(noise)
         self.companions: Companions | None = None
+        self.in_part: InPart | None = None
         self._layers: list[tuple[torch.Tensor, torch.Tensor]] | None = None  # summed, within `one_update`
 
     def parts(self) -> dict[str, Adaptation]:
@@ -111,12 +114,23 @@ class AdaptedActor(Actor):
         finally:
             self._layers, self.penalties = None, penalties
 
+    @contextmanager
+    def at_strengths(self, strengths: torch.Tensor) -> Iterator[None]:
+        """Let the adaptations act in each row of the batches to come at its strength (B,), a factor on alpha."""
+        self.in_part = InPart.of(strengths)
+        try:
+            yield
+        finally:
+            self.in_part = None
+
     def injections(self, observation: Observation, base_latent: torch.Tensor) -> dict[int, torch.Tensor]:
         """Latent space index -> sum of the scaled offsets of all active adaptations (eq. 4)."""
         total: dict[int, torch.Tensor] = {}
         for scale, adaptation in self.active():
             for space, offset in adaptation.injections(observation, base_latent, self.penalties.beta).items():
                 total[space] = offset * scale if space not in total else total[space].add(offset, alpha=scale)
+        if self.in_part is not None:
+            total = {space: self.in_part.scaled(offset) for space, offset in total.items()}
         return total
 
     def base_latent(self, observation: Observation) -> torch.Tensor:
@@ -167,6 +181,8 @@ class AdaptedActor(Actor):
         extra = self.base.first_bias(observation)
         for space, (weight, bias) in enumerate(layers, start=1):
             output = functional.linear(latent, weight, bias)
+            if self.in_part is not None:
+                output = self.in_part.between(cast(nn.Linear, self.base.layers[space - 1]), latent, output)
             theirs = None if beside is None else beside.output(space, latent, output)
             for term in (extra, offsets.get(space), theirs):
                 output = output if term is None else output + term

@@ -81,20 +81,24 @@ def test_schedules_follow_the_samples(make_worlds):
 
 
 def test_in_part_no_error_ends_an_episode_and_guides_begin_anew(make_worlds):
-    share = {0: 0.0, 1: 1.0}
-    worlds = make_worlds(error_limit=0.05, loose_limit=0.05, partial_share=share, steps=(90, 90), loose_steps=(90, 90))
-    assert worlds.strength == 1
+    share = {0: 0.0, 1: 0.5}
+    limits = {"error_limit": 0.0, "loose_limit": 0.0}
+    worlds = make_worlds(**limits, partial_share=share, steps=(90, 90), loose_steps=(90, 90))
+    assert (worlds.strengths == 1).all()
     observations = worlds.env.reset()
     worlds.guide.phases[:] = 0
     worlds.guide.turn_rates[:] = 1.0
     worlds.schedule(1)
-    assert 0 < worlds.strength < 1
+    in_part = worlds.strengths < 1
+    assert in_part.any() and not in_part.all()
     worlds.resynchronise(observations)
-    assert np.array_equal(worlds.guide.phases, worlds.guide.motion.nearest(worlds.guide.motion.seen_in(observations)))
-    assert not worlds.guide.turn_rates.any() and not worlds.guide.calm_steps.any()
+    nearest = worlds.guide.motion.nearest(worlds.guide.motion.seen_in(observations))
+    assert np.array_equal(worlds.guide.phases[in_part], nearest[in_part])
+    assert np.array_equal(worlds.guide.turn_rates == 0, in_part)
+    assert not worlds.guide.calm_steps[in_part].any()
     for step in steps(worlds, 15):
-        assert np.array_equal(step.ended, step.dones)
+        assert np.array_equal(step.ended, step.dones | ~in_part)
     worlds.guide.turn_rates[:] = 1.0
-    worlds.schedule(1)  # the same strength goes on
+    worlds.schedule(1)  # the same strengths go on
     worlds.resynchronise(step.observations)
     assert worlds.guide.turn_rates.all()
