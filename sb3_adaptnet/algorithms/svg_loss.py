@@ -42,6 +42,8 @@ def window_loss(
     for step in steps:
         costs = state_costs(step.state, step.view, motion, step.guided, weights)
         costs["smoothness"] = weights.smoothness * smoothness_loss(step.actions, before)
+        if before is None and weights.symmetry > 0:
+            costs["symmetry"] = weights.symmetry * asymmetry(step)
         before = step.actions
         for name, cost in costs.items():
             parts[name].append((cost * step.guided.weights).mean())
@@ -51,6 +53,14 @@ def window_loss(
             parts["to_come"].append(before.new_zeros(()) if last is None else to_come(last).sum() / worlds)
     means = {name: torch.stack(values).mean() for name, values in parts.items()}
     return torch.stack(list(means.values())).sum(), {name: float(mean.detach()) for name, mean in means.items()}
+
+
+def asymmetry(step: Imagined) -> torch.Tensor:
+    """(B,) squared difference between mean actions in the mirror and the mirror images of those that acted; else 0.
+
+    It means something at the first step of a window, whose state is the real one's mirror image.
+    """
+    return step.guided.mirrored * (step.actions - step.guided.means).square().sum(1)
 
 
 def smoothness_loss(actions: torch.Tensor, before: torch.Tensor | None) -> torch.Tensor:

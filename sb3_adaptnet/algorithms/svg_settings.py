@@ -174,9 +174,12 @@ class LossWeights(TrackingWeights, TravelWeights):
 
     Attributes:
         smoothness: of squared changes of the actions.
+        symmetry: of squared differences between mean actions in the mirror and the mirror images of those that acted,
+            at the first steps of windows. Without it each side is learned for itself, and one may stay the worse.
     """
 
     smoothness: float = 0.02
+    symmetry: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,8 @@ class Guided(NamedTuple):
         targets: (B, 2) of the goals [m], world.
         speeds: (B,) preferred [m/s].
         strengths: (B,) at which the adaptation acted.
+        mirrored: (B,) whether this is the mirror image of what happened.
+        means: (B, J) mean actions that led there, or their mirror images.
         weights: (B,) 1 where the episode went on, else 0.
         last: (B,) whether the world is seen for the last time in its episode or window.
     """
@@ -51,6 +53,8 @@ class Guided(NamedTuple):
     targets: torch.Tensor
     speeds: torch.Tensor
     strengths: torch.Tensor
+    mirrored: torch.Tensor
+    means: torch.Tensor
     weights: torch.Tensor
     last: torch.Tensor
 
@@ -74,6 +78,7 @@ class RealRollout:
         style: (T, N) what the style's loss is worth after each step; less at part of the strength, by its square.
         failed: (T, N) whether the step ended an episode by a fall or by its error.
         strengths: (N,) at which the adaptation acted, 1 for the whole.
+        mirrored: (N,) whether all this is the mirror image of what happened.
     """
 
     transitions: Transitions
@@ -87,6 +92,7 @@ class RealRollout:
     style: NDArray[np.float32]
     failed: NDArray[np.bool_]
     strengths: NDArray[np.float32]
+    mirrored: NDArray[np.bool_]
 
     def __len__(self) -> int:
         """T."""
@@ -99,8 +105,10 @@ class RealRollout:
     def guided(self, step: int, alive: NDArray[np.bool_], last: NDArray[np.bool_], device: torch.device) -> Guided:
         """What the worlds should look like after a step; `alive` and `last` (N,) become `weights` and `last`."""
         parts = [part[step] for part in (self.phases, self.headings, self.turn_rates, self.style)]
-        rest = [self.targets[step + 1], self.speeds[step + 1], self.strengths, alive.astype(np.float32), last]
-        return Guided(*(moving(part, device) for part in (*parts, *rest)))
+        goals = [self.targets[step + 1], self.speeds[step + 1]]
+        acted = [self.strengths, self.mirrored, self.transitions.actions[step] - self.noise[step]]
+        rest = [alive.astype(np.float32), last]
+        return Guided(*(moving(part, device) for part in (*parts, *goals, *acted, *rest)))
 
 
 class RolloutRecorder:
@@ -153,6 +161,7 @@ class RolloutRecorder:
             style=strengths**2 * np.stack([now.style for now in guidance]),
             failed=np.stack(self._failed),
             strengths=strengths,
+            mirrored=np.zeros(len(strengths), np.bool_),
         )
 
 

@@ -68,6 +68,7 @@ class Reflection:
             phases=changed(rollout.phases, lambda part: half_a_cycle_later(self.gaits, part)),
             headings=changed(rollout.headings, np.negative),
             turn_rates=changed(rollout.turn_rates, np.negative),
+            mirrored=worlds,
         )
 
 

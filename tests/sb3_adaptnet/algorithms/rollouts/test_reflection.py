@@ -8,7 +8,7 @@ from rollout_cases import quiet
 from sb3_adaptnet import AdaptVecEnv
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.rollouts.reflection import Reflection, straight_behind
-from sb3_adaptnet.algorithms.svg_loss import state_costs
+from sb3_adaptnet.algorithms.svg_loss import asymmetry, state_costs
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.state import State
@@ -65,6 +65,28 @@ def costs(svg, rollout, step, weights):
     state = State.from_mujoco(torch.as_tensor(data.qpos[step + 1]), torch.as_tensor(data.qvel[step + 1]))
     guided = rollout.guided(step, ~data.ended[step], data.ended[step], torch.device("cpu"))
     return state_costs(state, model.view(model.kinematics(state)), svg.motion, guided, weights)
+
+
+def test_who_does_in_the_mirror_the_mirror_image_is_symmetric(svg, reflection):
+    image = reflection.of_rollout(svg._rollouts.latest(1)[0], HALF, 0.0)
+    assert np.array_equal(image.mirrored, HALF)
+    done = torch.as_tensor(image.transitions.actions[2] - image.noise[2])
+    for change, wanted in ((0.0, 0.0), (0.1, done.shape[1] * 0.01)):
+        (step,) = imagine(lambda _, change=change: done + change, svg.world_model.frozen(), image, 2, 1)
+        assert np.allclose(asymmetry(step), wanted * HALF, atol=1e-6)
+
+
+def test_it_can_be_learned(make_svg):
+    choices = {"mirror": True, "loss_weights": {"symmetry": 100.0}, "learning_rate": 1e-3}
+    svg = make_svg(WORLDS, "AdaptNet/Humanoid-GooseStep-v0", **choices)
+    svg.learn(48)
+    svg.collect_rollout(quiet())
+    frozen, weights, symmetry = svg.world_model.frozen(), svg.loss_weights.at(0), []
+    for number in range(60):
+        rollout = svg._rollouts.latest(1)[number % 2]
+        symmetry.append(svg._improve(frozen, rollout, weights, None)["symmetry"])
+    assert symmetry[0] > 0
+    assert np.mean(symmetry[-8:]) < 0.75 * np.mean(symmetry[:8])
 
 
 def test_what_happened_in_the_mirror_can_be_imagined(svg, reflection):
