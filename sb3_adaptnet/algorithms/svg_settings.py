@@ -27,9 +27,9 @@ class Episodes:
         calm_seconds: so long [s] after turning only the loose limit holds.
         goal_spread: share of the circle, centred ahead, that new goals lie in; 1 is the task's own.
         loose_goal_spread: the same of loose worlds.
-        partial_share: share of the time in which the adaptation acts in part, at a strength drawn from 0 to 1, so that
-            half a style steers, too. The error ends no such episode, and the style's loss counts by the strength
-            squared. Styles far from the base pay for it at full strength.
+        partial_share: share of the time in which the adaptation acts in part, in each world at a strength drawn from 0
+            to 1, so that half a style steers, too. The error ends no such episode, and the style's loss counts by the
+            strength squared. Styles far from the base pay for much of it at full strength.
         steps: fewest and most control steps of an episode.
         loose_steps: the same of a loose world.
     """

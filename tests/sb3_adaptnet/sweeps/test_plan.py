@@ -10,8 +10,6 @@ from toy_zoo import TOY, conf
 
 from adapt_envs import env_id
 from adapt_envs.motion.library import STYLES, load_clip
-from sb3_adaptnet.algorithms.svg_settings import Episodes
-from sb3_adaptnet.objectives.schedule import value_at
 from sb3_adaptnet.runs.experiment import experiment_of
 from sb3_adaptnet.sweeps import UnitFolder, prepare, read_sweep, units_of
 from sb3_adaptnet.weights.shipped import pretrained_names, pretrained_path
@@ -143,14 +141,3 @@ def test_all_styles_learn_by_one_and_the_same_entry():
     assert sorted(unit.settings.env_id for unit in found) == sorted(map(env_id, STYLES))
     assert all(unit.entry == found[0].entry and unit.settings.algo == "svg" for unit in found)
     assert found[0].settings.samples == 780_000
-
-
-def test_stoop_at_any_strength_learns_by_the_same_entry_otherwise():
-    (unit,), styles = units_of(read_sweep("any_strength"), 2), units_of(read_sweep("styles"), 2)
-    usual = next(style for style in styles if style.settings.env_id == unit.settings.env_id)
-    episodes = dict(unit.entry["episodes"])
-    share = episodes.pop("partial_share")
-    assert {**unit.entry, "episodes": episodes} == usual.entry
-    learned_by = experiment_of(unit.entry, unit.settings.env_id, algo="svg").arguments["episodes"]
-    assert Episodes(**learned_by).partial_share == share
-    assert (value_at(share, 399_000), value_at(share, 410_000)) == (0, 0.5)
