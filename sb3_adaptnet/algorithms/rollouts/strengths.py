@@ -42,6 +42,6 @@ def strengths_at(samples: int, worlds: int, share: float) -> NDArray[np.float32]
 
 def acting_at(policy: BasePolicy, strengths: NDArray[np.float32]) -> AbstractContextManager[None]:
     """Let the adaptation act at a strength (N,) in each world, a factor on alpha; other policies have none."""
-    if not isinstance(policy, AdaptNetPolicy):
+    if not isinstance(policy, AdaptNetPolicy) or (strengths == 1).all():  # the usual case needs no transfer
         return nullcontext()
     return policy.actor.at_strengths(torch.as_tensor(strengths, device=policy.device))
