@@ -1,5 +1,7 @@
 """What numbers and choices of SVG must be."""
 
+from sb3_adaptnet.objectives.schedule import Schedule, highest
+
 
 def check_positive(**numbers: int) -> None:
     """Refuse numbers of things of which there must be one.
@@ -20,6 +22,16 @@ def check_window(window: int, steps: int) -> None:
     """
     if not 0 < window <= steps:
         raise ValueError(f"window is {window}, expected 1 to n_steps, which is {steps}")
+
+
+def check_symmetry(symmetry: Schedule, mirror: bool) -> None:
+    """Refuse a loss of what is done in a mirror without one.
+
+    Raises:
+        ValueError: for a weight that is not always 0, unless there is a mirror.
+    """
+    if highest(symmetry) > 0 and not mirror:
+        raise ValueError(f"symmetry {symmetry!r} is of what is done in the mirror, so mirror must be True")
 
 
 def flag(name: str, value: bool) -> bool:

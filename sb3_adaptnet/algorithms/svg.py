@@ -16,7 +16,7 @@ from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
 from sb3_adaptnet.algorithms import svg_settings as groups
-from sb3_adaptnet.algorithms.checks import check_positive, check_window, flag
+from sb3_adaptnet.algorithms.checks import check_positive, check_symmetry, check_window, flag
 from sb3_adaptnet.algorithms.cost_critic import RECENT, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
@@ -41,8 +41,7 @@ class SVG(ModelBasedAlgorithm):
     """Adapts a policy of this package to the environment's reference motion and goals.
 
     Every `learn` begins new episodes in all worlds. The policy is the running average of the weights, but for callbacks
-    within a rollout (`on_step`), which see the latest ones, and an adaptation that acts in part (`partial_share` of
-    `Episodes`); `predict` and `save` use the average even there.
+    within a rollout (`on_step`), which see the latest ones; `predict` and `save` use the average even there.
 
     Attributes:
         motion: what is tracked, once it learns.
@@ -126,6 +125,7 @@ class SVG(ModelBasedAlgorithm):
         self.guiding = groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)
         self.loss_weights = groups.LossSchedules.of(loss_weights)
+        check_symmetry(self.loss_weights.weights.get("symmetry", 0.0), self.mirror)
         self.cost_to_go, self.taming = groups.grouped(groups.CostToGo, cost_to_go), GradientTaming()
         if env is not None and self.guiding.gaits:
             self._worlds_of_env().references(self.guiding.gaits)  # refuses a motion without them

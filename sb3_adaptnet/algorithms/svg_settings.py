@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sb3_adaptnet.algorithms.checks import check_positive
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
 from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
-from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, checked_decay, value_at
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, checked_decay, highest, value_at
 
 Group = TypeVar("Group")
 
@@ -48,11 +48,13 @@ class Episodes:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative limit, share or time, or numbers of steps that do not rise.
+            ValueError: for a negative limit, share or time, a share above 1, or numbers of steps that do not rise.
         """
         for name, value in vars(self).items():
             if name not in ("steps", "loose_steps"):
                 check_schedule(name, value)
+            if name.endswith(("_share", "_spread")) and highest(value) > 1:
+                raise ValueError(f"{name} is a share, at most 1, not {value!r}")
         for fewest, most in (self.steps, self.loose_steps):
             if not 0 < fewest <= most:
                 raise ValueError(f"episodes of {fewest} to {most} steps do not exist")
@@ -176,6 +178,7 @@ class LossWeights(TrackingWeights, TravelWeights):
         smoothness: of squared changes of the actions.
         symmetry: of squared differences between mean actions in the mirror and the mirror images of those that acted,
             at the first steps of windows. Without it each side is learned for itself, and one may stay the worse.
+            It needs `mirror`.
     """
 
     smoothness: float = 0.02

@@ -33,6 +33,11 @@ def check_schedule(what: str, points: Schedule) -> None:
         raise ValueError(f"{what} must be a number or {{samples: number}}, none of them negative, not {points!r}")
 
 
+def highest(points: Schedule) -> float:
+    """The largest value that a schedule takes."""
+    return max(points.values()) if isinstance(points, Mapping) else points
+
+
 def checked_decay(what: str, decay: float) -> float:
     """What an update leaves of a running average; `what` says whose it is.
 

@@ -1,6 +1,5 @@
 """How strongly an adaptation acts in a rollout: in part, too, so that half a style steers."""
 
-from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
@@ -8,7 +7,7 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3.common.policies import BasePolicy
 
-from sb3_adaptnet.objectives.schedule import Schedule
+from sb3_adaptnet.objectives.schedule import Schedule, highest
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 STEPS = 96
@@ -21,8 +20,7 @@ def check_share(policy: type[BasePolicy], share: Schedule) -> None:
     Raises:
         ValueError: for a share that is not always 0, unless the policy is an `AdaptNetPolicy`.
     """
-    shares = share.values() if isinstance(share, Mapping) else [share]
-    if max(shares) > 0 and not issubclass(policy, AdaptNetPolicy):
+    if highest(share) > 0 and not issubclass(policy, AdaptNetPolicy):
         raise ValueError(f"a {policy.__name__} has no alpha, which partial_share {share!r} changes; it must be 0")
 
 

@@ -92,6 +92,8 @@ def test_another_body_has_its_own_kinematics(make_svg):
 def test_what_does_not_fit_is_refused(make_svg, walk_base, tiny_world):
     with pytest.raises(ValueError, match="window is 9, expected 1 to n_steps, which is 8"):
         make_svg(window=9)
+    with pytest.raises(ValueError, match="symmetry 10.0 is of what is done in the mirror, so mirror must be True"):
+        make_svg(loss_weights={"symmetry": 10.0})
     with pytest.raises(ValueError, match="other joints"):
         make_svg(environment="AdaptNet/Humanoid-LockedElbowsWalk-v0")
     with pytest.raises(ValueError, match="without a heightmap"):

@@ -32,6 +32,8 @@ def test_settings_come_in_groups():
         Episodes(loose_steps=(9, 3))
     with pytest.raises(ValueError, match="goal_spread"):
         Episodes(goal_spread={0: -1.0})
+    with pytest.raises(ValueError, match=r"partial_share is a share, at most 1, not \{0: 0.0, 9: 1.5\}"):
+        Episodes(partial_share={0: 0.0, 9: 1.5})
     with pytest.raises(ValueError, match="discount"):
         CostToGo(discount=1.0)
 
