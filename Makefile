@@ -11,7 +11,7 @@ demo: $(STAMP)
 
 test: $(STAMP)
 	$(VENV)/bin/adaptnet doctor
-	OMP_NUM_THREADS=1 $(RUN) -m pytest -q -n 2
+	OMP_NUM_THREADS=1 $(RUN) -m pytest -q -n 2 --dist worksteal
 
 check: lint types test
 
@@ -24,7 +24,7 @@ format: $(STAMP)
 	$(VENV)/bin/ruff format .
 
 types: $(STAMP)
-	$(VENV)/bin/mypy
+	$(VENV)/bin/mypy -n 2
 
 docs: $(STAMP)
 	$(RUN) -m pip install --quiet -c constraints.txt -e ".[docs]"

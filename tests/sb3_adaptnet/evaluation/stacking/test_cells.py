@@ -37,7 +37,7 @@ def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, 
     monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
     monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
     table, picture = tmp_path / "cells.csv", tmp_path / "map.png"
-    words = ["--seconds", "40", "--threads", "1", "--seed", "3", "--csv", str(table), "-o", str(picture)]
+    words = ["--seconds", "20", "--threads", "1", "--seed", "3", "--csv", str(table), "-o", str(picture)]
     assert main(["stack", *map(str, tiny.values()), *words]) == 0
     printed = capsys.readouterr().out
     assert "style + ground: 0 of 1 pairs" in printed and "body + ground: 0 of 1" in printed
@@ -47,7 +47,7 @@ def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, 
     assert {(row["first"], row["second"]) for row in rows} == {
         ("stoop", "icewalk"), ("stoop", "longshinswalk"), ("longshinswalk", "icewalk"),
     }  # fmt: skip
-    assert all(row["seed"] == "3" and float(row["seconds"]) == 40 for row in rows)
+    assert all(row["seed"] == "3" and float(row["seconds"]) == 20 for row in rows)
     for start in (0, 4, 8):
         found = {(row["goal_reward"], row["falls_per_minute"]) for row in rows[start : start + 4]}
         assert len(found) == 4, "base, either and the sum act differently"
@@ -67,7 +67,7 @@ def test_goals_may_have_the_bases_speeds(tiny, monkeypatch):
 def test_found_weights_are_the_best_with_another_seed_and_measured_with_the_one_asked_for(tiny, monkeypatch):
     monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
     monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
-    tried = ((1.0, 1.0), (0.0, 0.0), (1.0, 3.0))
+    tried = ((1.0, 1.0), (1.0, 3.0))
     monkeypatch.setattr(cells, "WEIGHTS", tried)
     pairs = pairs_of([tiny["Stoop"], tiny["IceWalk"]])
     (found,) = cells.measure_pairs(pairs, 40.0, 2, threads=1, find_weights=True)
