@@ -17,7 +17,8 @@ LOOKS = {
     (row.morphology, row.locked, row.terrain, row.terrain_scale, row.obstacles, row.push is None): name
     for name, row in SUITE.items()
 }
-"""A row of each body on each ground: styles look alike at first."""
+"""A row of each body on each ground; of styles one, since they differ in their motions alone."""
+each_look = pytest.mark.parametrize("name", [env_id(name) for name in LOOKS.values()])
 # One row after the other: what a process keeps of characters and motions does not suffice for all rows in turn.
 each_row = pytest.mark.parametrize("name", [env_id(name) for name in SUITE], scope="module")
 
@@ -45,7 +46,7 @@ def rollout(env, seed, steps=12):
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-@each_row
+@each_look
 def test_both_checkers_accept_it(name):
     env = gym.make(name)
     check_env(env.unwrapped, skip_render_check=True)
@@ -92,7 +93,7 @@ def test_spec_rebuilds_it_and_pickles(name):
     assert all(equal(a, b) for a, b in zip(rollout(env, 6, 3)[0], rollout(again, 6, 3)[0], strict=True))
 
 
-@pytest.mark.parametrize("name", [env_id(name) for name in LOOKS.values()])
+@each_look
 def test_it_renders(name):
     env = gym.make(name, render_mode="rgb_array")
     env.reset(seed=0)

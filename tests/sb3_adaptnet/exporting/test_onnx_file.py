@@ -29,10 +29,10 @@ TOLERANCE = 1e-5
 
 @pytest.fixture(scope="session")
 def seen():
-    """Base -> 1,000 observations of its own rollouts, 50 worlds for 20 steps; the walk's see hills."""
+    """Base -> 300 observations of its own rollouts, 15 worlds for 20 steps; the walk's see hills."""
 
     def rollouts(base, environment):
-        env = adapt_envs.make_vector(environment, num_envs=50, num_threads=1)
+        env = adapt_envs.make_vector(environment, num_envs=15, num_threads=1)
         policy, found = load_policy(base, env), []
         observations, _ = env.reset(seed=1)
         for _ in range(20):
@@ -85,7 +85,7 @@ def wanted_rows(exported, observations, strengths):
 @pytest.mark.parametrize("strength", [0.0, 0.5, 1.0])
 def test_adaptations_act_as_in_torch(shipped, seen, strength):
     base, exported, session = shipped
-    taken_in_turn = strength * np.eye(len(exported.adaptations))[np.arange(1000) % len(exported.adaptations)]
+    taken_in_turn = strength * np.eye(len(exported.adaptations))[np.arange(300) % len(exported.adaptations)]
     found = acted(session, seen[base], taken_in_turn)
     np.testing.assert_allclose(found, wanted_rows(exported, seen[base], taken_in_turn), rtol=0, atol=TOLERANCE)
 
