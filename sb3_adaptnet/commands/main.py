@@ -1,45 +1,39 @@
 """The command `adaptnet`: one parser; each subcommand has its file."""
 
 import argparse
+import importlib
 import os
 import sys
 from collections.abc import Sequence
 
 import gymnasium as gym
 
-from adapt_envs.commands import doctor, envs, motions
-from sb3_adaptnet.commands import adapt, curves, demo, export, hub, play, stack, sweep, train, world_model
-from sb3_adaptnet.commands import eval as evaluation
-from sb3_adaptnet.commands.bench import env as bench_env
-from sb3_adaptnet.commands.bench import train as bench_train
-
+COMMANDS = {
+    **{name: f"sb3_adaptnet.commands.{name}" for name in ("demo", "train", "adapt", "sweep", "eval", "stack")},
+    **{name: f"sb3_adaptnet.commands.{name}" for name in ("play", "export")},
+    **dict.fromkeys(("pull", "push", "publish"), "sb3_adaptnet.commands.hub"),
+    "curves": "sb3_adaptnet.commands.curves",
+    "world-model": "sb3_adaptnet.commands.world_model",
+    **{name: f"adapt_envs.commands.{name}" for name in ("envs", "motions", "doctor")},
+    "bench": "sb3_adaptnet.commands.bench",
+}
+"""Subcommands and the modules that define them. A call reads that of its own alone: what draws and what imports
+motions would take a second of every start."""
 BAD_INPUT, PIPE_CLOSED = 2, 141
 """Exit codes; the latter is what shells have for it."""
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """Build the parser of all subcommands; each stores the function that runs it as `run`."""
+def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
+    """Build the parser of all subcommands, or of the one that is asked for; it stores the function that runs as `run`.
+
+    Args:
+        asked: word that should be a subcommand; another one, or None, means all.
+    """
     parser = argparse.ArgumentParser(prog="adaptnet", description="AdaptNet for Gymnasium and Stable-Baselines3.")
     parser.add_argument("--traceback", action="store_true", help="show where an error came from")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    demo.add_parser(subparsers)
-    train.add_parser(subparsers)
-    adapt.add_parser(subparsers)
-    sweep.add_parser(subparsers)
-    evaluation.add_parser(subparsers)
-    stack.add_parser(subparsers)
-    play.add_parser(subparsers)
-    export.add_parser(subparsers)
-    hub.add_parser(subparsers)
-    curves.add_parser(subparsers)
-    world_model.add_parser(subparsers)
-    envs.add_parser(subparsers)
-    motions.add_parser(subparsers)
-    doctor.add_parser(subparsers)
-    bench_parser = subparsers.add_parser("bench", help="measure speed")
-    benches = bench_parser.add_subparsers(dest="bench", required=True, metavar="WHAT")
-    bench_env.add_parser(benches)
-    bench_train.add_parser(benches)
+    for module in [COMMANDS[asked]] if asked in COMMANDS else dict.fromkeys(COMMANDS.values()):
+        importlib.import_module(module).add_parser(subparsers)
     return parser
 
 
@@ -52,7 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit code: the subcommand's, or 2 after one sentence about bad input.
     """
-    options = make_parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    asked = next((word for word in words if not word.startswith("-")), None)
+    options = make_parser(asked).parse_args(words)
     try:
         code = int(options.run(options) or 0)
         sys.stdout.flush()

@@ -77,3 +77,9 @@ def test_the_way_to_opengl_is_chosen_before_mujoco_is_imported(room):
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert run.stdout.splitlines()[:1] == ["True"], run.stderr
+
+
+def test_what_cuts_motions_is_not_read_by_who_simulates():
+    program = "import sys, adapt_envs; print(sorted({'scipy.interpolate', 'matplotlib', 'torch'} & set(sys.modules)))"
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert run.stdout == "[]\n"

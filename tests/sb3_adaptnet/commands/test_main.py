@@ -1,11 +1,12 @@
 """The command line: errors are one sentence, a closed pipe is none."""
 
+import argparse
 import subprocess
 import sys
 
 import pytest
 
-from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.commands.main import COMMANDS, main, make_parser
 
 
 @pytest.mark.parametrize("words, message", [
@@ -32,3 +33,17 @@ def test_a_reader_that_has_seen_enough_is_no_error():
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     process.stdout.close()
     assert process.stderr.read() == "" and process.wait(timeout=60) == 141
+
+
+def commands_of(parser):
+    (subparsers,) = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    return subparsers.choices
+
+
+def test_a_command_is_read_alone_and_is_the_same_as_among_all():
+    everything = commands_of(make_parser())
+    assert everything.keys() == COMMANDS.keys()
+    for name, parser in everything.items():
+        alone = commands_of(make_parser(name))
+        assert name in alone and len(alone) <= 3
+        assert alone[name].format_help() == parser.format_help()
