@@ -14,6 +14,7 @@ adapt_envs.assets  adapt_envs.tables  adapt_envs.spaces  adapt_envs.progress
 adapt_envs.model
 adapt_envs.features
 adapt_envs.tasks  adapt_envs.motion
+adapt_envs.motion.gaits
 adapt_envs.motion.importing  adapt_envs.motion.exporting  adapt_envs.motion.synthesis
 adapt_envs.suite
 adapt_envs.simulation

@@ -23,7 +23,7 @@ SMALLER = {
     "1_600_000": "2_000",
     "progress_bar=True": "progress_bar=False",
 }
-DEEP = ("adapt_envs.motion.importing", "adapt_envs.motion.exporting", "adapt_envs.motion.synthesis")
+DEEP = tuple(f"adapt_envs.motion.{room}" for room in ("importing", "exporting", "synthesis", "gaits"))
 """Folders within a folder whose names are public all the same."""
 PLACEHOLDERS = ("NAME", "STYLE", "BASE")
 """Words in paths that stand for others."""

@@ -42,8 +42,12 @@ def settings(folder, **changes):
     return RunSettings(TOY, **{"samples": 640, "seed": 1, "conf_file": conf(folder), "threads": 1, **changes})
 
 
+def python_path():
+    """PYTHONPATH of a process that is to find the toy."""
+    return os.pathsep.join([str(ROOT), str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")])])
+
+
 def run_command(arguments, **kwargs):
-    paths = [str(ROOT), str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")])]
-    env = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    env = {**os.environ, "PYTHONPATH": python_path()}
     command = [sys.executable, "-m", *arguments]
     return subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **kwargs)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from adapt_envs.motion.clip import MotionError
+from adapt_envs.motion.gaits.gaits_of_clip import gaits_of
 from adapt_envs.motion.library import ReferenceMotion
 from adapt_envs.suite import STANDING
 from adapt_envs.tasks.tracking import GaitCycle
@@ -20,9 +21,6 @@ def gaits_at(reference: ReferenceMotion, speeds: Sequence[float]) -> list[Refere
     Raises:
         MotionError: if it holds no cycle at any of them, or repeats itself.
     """
-    # Here, since half of what `import adapt_envs` took was SciPy, which cutting motions needs and simulating does not.
-    from adapt_envs.motion.importing.gaits_of_clip import gaits_of  # noqa: PLC0415
-
     return [reference.of(cycle) for cycle in gaits_of(reference.clips[0], speeds)]
 
 

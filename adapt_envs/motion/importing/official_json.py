@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from adapt_envs.features import rotations
 from adapt_envs.model.humanoid import LINKS, joint_names
 from adapt_envs.motion.clip import MotionError
-from adapt_envs.motion.importing.draft import Draft, angles_within, from_poses, joint_columns
+from adapt_envs.motion.gaits.draft import Draft, angles_within, from_poses, joint_columns
 from adapt_envs.motion.importing.files import read_text
 
 _JOINT_OF = {

@@ -7,14 +7,15 @@ import numpy as np
 from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion.clip import MotionClip, MotionError
+from adapt_envs.motion.gaits.draft import Draft
+from adapt_envs.motion.gaits.gait_cycle import closed, find_cycle
+from adapt_envs.motion.gaits.inverse_kinematics import looped, settled
+from adapt_envs.motion.gaits.planted_feet import grounded, planted
 from adapt_envs.motion.importing.bvh import read_bvh
-from adapt_envs.motion.importing.draft import Draft, resampled
 from adapt_envs.motion.importing.files import read_text
 from adapt_envs.motion.importing.foreign_body import is_own
-from adapt_envs.motion.importing.gait_cycle import closed, find_cycle
-from adapt_envs.motion.importing.inverse_kinematics import looped, settled
 from adapt_envs.motion.importing.official_json import read_official_json
-from adapt_envs.motion.importing.planted_feet import grounded, planted
+from adapt_envs.motion.importing.resampling import resampled
 from adapt_envs.motion.importing.retarget import retarget
 from adapt_envs.motion.importing.skeletons import read_map, recognise
 from adapt_envs.progress import Progress

@@ -15,9 +15,9 @@ from adapt_envs.features import rotations
 from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import joint_names
 from adapt_envs.motion.clip import MotionError
+from adapt_envs.motion.gaits.draft import Array, Draft, angles_within, joint_columns
 from adapt_envs.motion.importing.bvh import Bvh
 from adapt_envs.motion.importing.directions import frame, local, swung, unit
-from adapt_envs.motion.importing.draft import Array, Draft, angles_within, joint_columns
 from adapt_envs.motion.importing.foreign_body import ForeignBody, foreign_body
 from adapt_envs.motion.importing.skeletons import SIDES, JointMap
 

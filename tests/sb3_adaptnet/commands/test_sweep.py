@@ -1,13 +1,12 @@
 """`adaptnet sweep`: its words, and a run of it that is measured on the real character."""
 
 import json
-import os
 
 import pytest
 import yaml
 from evaluation_cases import save_tiny_base
 from filelock import FileLock
-from toy_zoo import ROOT, TOY, conf
+from toy_zoo import TOY, conf, python_path
 
 from sb3_adaptnet.commands import sweep
 from sb3_adaptnet.commands.main import main
@@ -68,8 +67,7 @@ def test_what_may_go_well_later_is_no_bad_input(tmp_path, monkeypatch, capsys):
 
 
 def test_a_task_that_was_renamed_is_not_waited_for(tmp_path, capsys, monkeypatch):
-    # The process of the run finds the toy.
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "tests")]))
+    monkeypatch.setenv("PYTHONPATH", python_path())
     task = {"id": TOY, "conf_file": conf(tmp_path), "samples": 64}
     file, folder = tmp_path / "mine.yml", tmp_path / "runs"
     file.write_text(yaml.safe_dump({"tasks": [{**task, "name": "before"}]}))

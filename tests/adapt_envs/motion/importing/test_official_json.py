@@ -4,7 +4,7 @@ import numpy as np
 from made_up_motions import json_object, write
 
 from adapt_envs.model.humanoid import joint_names
-from adapt_envs.motion.importing.draft import angles_within
+from adapt_envs.motion.gaits.draft import angles_within
 from adapt_envs.motion.importing.pipeline import import_motion
 
 

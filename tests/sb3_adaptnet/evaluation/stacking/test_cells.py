@@ -2,7 +2,6 @@
 
 import csv
 from dataclasses import replace
-from functools import partial
 
 import cv2
 import pytest
@@ -10,7 +9,7 @@ from evaluation_cases import save_tiny_adaptation, save_tiny_base
 
 from adapt_envs import env_id
 from sb3_adaptnet.commands.main import main
-from sb3_adaptnet.evaluation.recording import record_straight
+from sb3_adaptnet.evaluation import recording
 from sb3_adaptnet.evaluation.stacking import Cell, cells, markdown, read_csv, renewed, write_csv, write_heat_map
 from sb3_adaptnet.stacking import pairs_of
 from sb3_adaptnet.weights.card import amend_card
@@ -34,7 +33,7 @@ def cell(acting="both", falls=0.2, visible=True, first="walk-a", kinds="style + 
 
 
 def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
+    monkeypatch.setattr(recording, "STRAIGHT_SECONDS", 0.2)
     monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
     table, picture = tmp_path / "cells.csv", tmp_path / "map.png"
     words = ["--seconds", "20", "--threads", "1", "--seed", "3", "--csv", str(table), "-o", str(picture)]
@@ -57,7 +56,7 @@ def test_the_command_measures_every_pair_and_writes_table_csv_and_picture(tiny, 
 
 
 def test_goals_may_have_the_bases_speeds(tiny, monkeypatch):
-    monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
+    monkeypatch.setattr(recording, "STRAIGHT_SECONDS", 0.2)
     monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
     pairs = pairs_of([tiny["Stoop"], tiny["IceWalk"]])
     (found,) = cells.measure_pairs(pairs, 1.0, 0, threads=1, base_speeds=True)
@@ -65,7 +64,7 @@ def test_goals_may_have_the_bases_speeds(tiny, monkeypatch):
 
 
 def test_found_weights_are_the_best_with_another_seed_and_measured_with_the_one_asked_for(tiny, monkeypatch):
-    monkeypatch.setattr(cells, "record_straight", partial(record_straight, seconds=0.2))
+    monkeypatch.setattr(recording, "STRAIGHT_SECONDS", 0.2)
     monkeypatch.setattr(cells, "_base_error", lambda *_: 0.1)
     tried = ((1.0, 1.0), (1.0, 3.0))
     monkeypatch.setattr(cells, "WEIGHTS", tried)

@@ -10,7 +10,7 @@ from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import FEET
 from adapt_envs.model.soles import sole_corners
 from adapt_envs.motion.clip import FPS
-from adapt_envs.motion.importing.draft import Array, Draft
+from adapt_envs.motion.gaits.draft import Array, Draft
 
 _NEAR = 0.04
 """Height [m] of the lowest corner below which a slow foot stands."""

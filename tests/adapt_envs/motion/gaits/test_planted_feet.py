@@ -3,8 +3,8 @@
 import numpy as np
 
 from adapt_envs.model.humanoid import joint_names
-from adapt_envs.motion.importing.draft import from_poses
-from adapt_envs.motion.importing.planted_feet import corners_in_world, standing
+from adapt_envs.motion.gaits.draft import from_poses
+from adapt_envs.motion.gaits.planted_feet import corners_in_world, standing
 
 
 def test_sole_corners_are_those_of_the_boxes():

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from adapt_envs.motion.importing.draft import from_poses
-from adapt_envs.motion.importing.gaits_of_clip import gaits_of
-from adapt_envs.motion.importing.planted_feet import corners_in_world, standing
+from adapt_envs.motion.gaits.draft import from_poses
+from adapt_envs.motion.gaits.gaits_of_clip import gaits_of
+from adapt_envs.motion.gaits.planted_feet import corners_in_world, standing
 from adapt_envs.motion.library import load_clip
 
 IN_THE_AIR = 0.015

@@ -8,9 +8,9 @@ from scipy.ndimage import gaussian_filter1d
 
 from adapt_envs.model.build import plain_model
 from adapt_envs.model.humanoid import FEET, joint_names
-from adapt_envs.motion.importing.draft import Array, Draft
-from adapt_envs.motion.importing.gait_cycle import repeated
-from adapt_envs.motion.importing.planted_feet import planted
+from adapt_envs.motion.gaits.draft import Array, Draft
+from adapt_envs.motion.gaits.gait_cycle import repeated
+from adapt_envs.motion.gaits.planted_feet import planted
 from adapt_envs.progress import Progress
 
 _STEPS = 3

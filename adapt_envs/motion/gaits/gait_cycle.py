@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from adapt_envs.features import rotations
 from adapt_envs.motion.clip import FPS, MotionError
-from adapt_envs.motion.importing.draft import Array, Draft
+from adapt_envs.motion.gaits.draft import Array, Draft
 
 _SHORTEST, _LONGEST = int(0.4 * FPS), int(3.0 * FPS)
 """Frames of a cycle."""
@@ -123,9 +122,10 @@ def repeated(part: Draft, times: int) -> Draft:
 
 def _turned_into(quats: Array, share: Array) -> Array:
     """Orientations (T, 4), turned gradually so that the last equals the first."""
-    rest = Rotation.from_quat(np.roll(rotations.multiply(rotations.conjugate(quats[-1:]), quats[:1]), -1, axis=1))
-    gradual = Rotation.from_rotvec(share[:, None] * rest.as_rotvec())
-    return rotations.multiply(quats, np.roll(gradual.as_quat(), 1, axis=1))
+    rest = rotations.positive(rotations.multiply(rotations.conjugate(quats[-1]), quats[0]))
+    sine = np.linalg.norm(rest[1:])
+    axis = rest[1:] / max(sine, np.finfo(np.float64).tiny)
+    return rotations.multiply(quats, rotations.from_axis_angle(axis, share * 2 * np.arctan2(sine, rest[0])))
 
 
 def _poses(draft: Draft) -> Array:

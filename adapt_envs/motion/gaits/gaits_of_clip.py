@@ -6,9 +6,9 @@ from functools import lru_cache
 import numpy as np
 
 from adapt_envs.motion.clip import MotionClip, MotionError
-from adapt_envs.motion.importing.draft import from_poses
-from adapt_envs.motion.importing.gait_cycle import closed, find_cycle
-from adapt_envs.motion.importing.inverse_kinematics import looped
+from adapt_envs.motion.gaits.draft import from_poses
+from adapt_envs.motion.gaits.gait_cycle import closed, find_cycle
+from adapt_envs.motion.gaits.inverse_kinematics import looped
 
 
 def gaits_of(clip: MotionClip, speeds: Sequence[float]) -> list[MotionClip]:

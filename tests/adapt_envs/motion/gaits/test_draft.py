@@ -5,7 +5,7 @@ import pytest
 
 from adapt_envs.features import rotations
 from adapt_envs.model.build import plain_model
-from adapt_envs.motion.importing.draft import angles_within
+from adapt_envs.motion.gaits.draft import angles_within
 
 
 @pytest.mark.parametrize("joint", ["left_shoulder", "right_shoulder", "left_hip", "right_hip"])
