@@ -1,7 +1,8 @@
 """Values of an environment's row, each as it is kept, or refused with one sentence."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import fields
 from numbers import Integral, Real
 from typing import Any
 
@@ -63,8 +64,23 @@ def _joints(name: str, value: Any) -> tuple[str, ...]:
     return joints
 
 
+def _made(kind: Any, name: str, value: Any) -> Any:
+    """Make what a YAML file writes as a mapping, such as {force: 600.0}; other values stay as they are."""
+    if not isinstance(value, Mapping):
+        return value
+    known = [field.name for field in fields(kind)]
+    unknown = [key for key in value if key not in known]
+    if unknown:
+        raise ValueError(f"{name} has {unknown[0]!r}, expected {', '.join(known)}")
+    try:
+        return kind(**{key: tuple(part) if isinstance(part, list) else part for key, part in value.items()})
+    except (TypeError, AttributeError):
+        raise ValueError(f"{name} is {value!r}, expected values of {kind.__name__}") from None
+
+
 def _named(kind: type, words: str) -> Callable[[str, Any], Any]:
     def check(name: str, value: Any) -> Any:
+        value = _made(kind, name, value)
         if not (value is None or isinstance(value, str | kind)):
             raise ValueError(f"{name} is {value!r}, expected a name, {words}, or None")
         return value
@@ -79,6 +95,7 @@ def _terrain(name: str, value: Any) -> Any:
 
 
 def _push(name: str, value: Any) -> PushSchedule | None:
+    value = _made(PushSchedule, name, value)
     if not (value is None or isinstance(value, PushSchedule)):
         raise ValueError(f"{name} is {value!r}, expected a PushSchedule(force, seconds, interval), or None")
     return value

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from adapt_envs import AdaptEnv, TaskSpec, env_id, make_vector
-from adapt_envs.model import ObstacleField
+from adapt_envs.model import Morphology, ObstacleField
 from adapt_envs.motion.clip import MotionError
 from adapt_envs.motion.library import load_clip
 from adapt_envs.tasks import PushSchedule
@@ -33,6 +33,11 @@ REFUSED = [
     ({"fall_height": 0}, "fall_height is 0, expected a positive number of metres, or None"),
     ({"fall_height": "low"}, "fall_height is 'low', expected a positive number of metres, or None"),
     ({"push": 1000}, "push is 1000, expected a PushSchedule"),
+    ({"push": {"newtons": 5}}, "push has 'newtons', expected force, seconds, interval"),
+    ({"push": {"interval": 5}}, "push is {'interval': 5}, expected values of PushSchedule"),
+    ({"push": {"force": -5}}, "force is -5, expected a positive number of newtons"),
+    ({"morphology": {"length": 2}}, "morphology is {'length': 2}, expected values of Morphology"),
+    ({"obstacles": {"height": 1}}, "obstacles is {'height': 1}, expected values of ObstacleField"),
     ({"clip_on_body": 1}, "clip_on_body is 1, expected True or False"),
 ]
 
@@ -48,6 +53,24 @@ def test_a_row_and_an_argument_are_refused_alike(values, complaint):
 def test_values_are_kept_in_one_form():
     row = TaskSpec(Path("a") / "b.npz", locked="right_knee", speed_range=[1, 2], friction=1, terrain_seed=np.int64(3))
     assert row == TaskSpec("a/b.npz", locked=("right_knee",), speed_range=(1.0, 2.0), terrain_seed=3)
+
+
+def test_parts_may_be_written_as_a_yaml_file_does():
+    row = TaskSpec(
+        "walk",
+        push={"force": 200.0, "interval": [2.0, 4.0]},
+        obstacles={"density": 0.4, "height": [1.0, 1.0]},
+        morphology={"length": {"right_shin": 1.2}},
+    )
+    assert row == TaskSpec(
+        "walk",
+        push=PushSchedule(force=200.0, interval=(2.0, 4.0)),
+        obstacles=ObstacleField(density=0.4, height=(1.0, 1.0)),
+        morphology=Morphology(length={"right_shin": 1.2}),
+    )
+    env = make_vector(env_id("Walk"), num_envs=2, push={"force": 200.0})
+    assert env.worlds.pushes.schedule == PushSchedule(force=200.0)
+    env.close()
 
 
 @pytest.mark.parametrize("force", [0, -5, np.nan, np.inf, "5", True])
