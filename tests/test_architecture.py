@@ -39,7 +39,7 @@ sb3_adaptnet.algorithms.rollouts
 sb3_adaptnet.algorithms
 sb3_adaptnet.runs
 sb3_adaptnet.evaluation  sb3_adaptnet.play  sb3_adaptnet.zoo  sb3_adaptnet.exporting
-sb3_adaptnet.evaluation.stacking
+sb3_adaptnet.evaluation.stacking  sb3_adaptnet.evaluation.pictures
 sb3_adaptnet.publishing
 sb3_adaptnet
 sb3_adaptnet.sweeps  sb3_adaptnet.commands.bench

@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from adapt_envs.commands.numbers import seconds_of, speed_of
+from adapt_envs.commands.numbers import positive, seconds_of, speed_of
 from adapt_envs.commands.output import check_output
 from adapt_envs.drawing.film import rollout_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
@@ -14,13 +14,13 @@ from adapt_envs.motion.exporting import write_bvh, write_glb
 from adapt_envs.motion.exporting.extra import gltf_packages
 from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
-from sb3_adaptnet.evaluation.before_after import check_world, write_before_after
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
-from sb3_adaptnet.evaluation.pictures import write_strip
+from sb3_adaptnet.evaluation.pictures import check_world, write_before_after, write_strip
 from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import longest, performance_of, typical_clip
+from sb3_adaptnet.evaluation.starts import start_falls
 from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 from sb3_adaptnet.policies.loading import load_base_of, load_policy
@@ -41,6 +41,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
     words = "preferred speed straight ahead, instead of the motion's own"
     parser.add_argument("--speed", type=speed_of, metavar="M_S", help=words)
+    words = "begin N episodes of 2 s, too, and count those that fall: a base that stands at first may fall at once"
+    parser.add_argument("--starts", type=positive, metavar="N", help=words)
     parser.add_argument("--push-scale", type=float, metavar="S", help="pushes at S times their force (default 1)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--write-card", action="store_true", help="write the figures into the weight file's card")
@@ -70,10 +72,14 @@ def run(options: argparse.Namespace) -> int:
         loaded.env.push_scale = options.push_scale
     bar, base = ProgressBar("walking"), base_of(loaded, options.base)
     found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, bar, base, options.speed)
+    begun = {}
+    if options.starts is not None:
+        begun["starts"] = start_falls(loaded.policy, loaded.env, options.starts, options.seed, ProgressBar("beginning"))
     if options.json:
-        print(json.dumps(found.figures.as_dict(), indent=2, allow_nan=False))
+        figures = found.figures.as_dict() | {name: falls.as_dict() for name, falls in begun.items()}
+        print(json.dumps(figures, indent=2, allow_nan=False))
     else:
-        print(text_table({loaded.title: found.figures}))
+        print("\n".join([text_table({loaded.title: found.figures}), *map(str, begun.values())]))
     drawn = [write_card(options, found)] if options.write_card else []
     drawn += draw(loaded, found, options.sheet, options.video)
     drawn += write_motion(loaded, found, options.bvh, options.glb)

@@ -1,7 +1,6 @@
 """From rollouts of a policy to figures, pictures and a page: goals, falls, visible styles, sliding, jerk."""
 
 from sb3_adaptnet.evaluation.alpha import alpha_clips
-from sb3_adaptnet.evaluation.before_after import before_after, write_before_after
 from sb3_adaptnet.evaluation.card import evaluation_block, write_evaluation
 from sb3_adaptnet.evaluation.figures import Evaluation, Figures, evaluate
 from sb3_adaptnet.evaluation.imitation_error import ImitationError, imitation_error
@@ -17,7 +16,6 @@ __all__ = [
     "StyleCallback",
     "StyleFigures",
     "alpha_clips",
-    "before_after",
     "evaluate",
     "evaluation_block",
     "imitation_error",
@@ -25,6 +23,5 @@ __all__ = [
     "record",
     "record_straight",
     "style_figures",
-    "write_before_after",
     "write_evaluation",
 ]

@@ -48,8 +48,10 @@ def tiny(tmp_path_factory):
 def test_the_json_has_the_fields_and_pictures_are_drawn(tiny, tmp_path, capsys):
     sheet, film = tmp_path / "sheet.png", tmp_path / "film.gif"
     words = ["--seconds", "40", "--seed", "4", "--threads", "1", "--json", "--sheet", str(sheet), "--video", str(film)]
-    assert main(["eval", str(tiny[0]), "--env", STOOP, *words]) == 0
+    assert main(["eval", str(tiny[0]), "--env", STOOP, "--starts", "30", *words]) == 0
     figures = json.loads(capsys.readouterr().out)
+    # Stoop never stands, and who has learned nothing falls from every start; 30 are two rounds of 20 worlds.
+    assert figures.pop("starts") == {"starts": 40, "falls": 40, "standing": 0, "standing_falls": 0}
     assert set(figures) == FIELDS
     assert figures["seconds"] == 40.0 and figures["seed"] == 4
     assert figures["falls_per_minute"] > 0 and 0 < figures["goal_reward"] < 1

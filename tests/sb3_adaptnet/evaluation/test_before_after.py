@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from evaluation_cases import STOOP, save_tiny_adaptation, save_tiny_base
 
-from sb3_adaptnet.evaluation import before_after, open_worlds
-from sb3_adaptnet.evaluation.before_after import COLUMNS, first_end
+from sb3_adaptnet.evaluation import open_worlds
+from sb3_adaptnet.evaluation.pictures import before_after
+from sb3_adaptnet.evaluation.pictures.before_after import COLUMNS, first_end
 from sb3_adaptnet.policies.loading import load_policy
 
 WIDTH, HEIGHT = 270, 300

@@ -8,7 +8,7 @@ from adapt_envs.drawing.picture import Image, tiled, write_png
 from adapt_envs.drawing.scene import Camera
 from adapt_envs.drawing.world_view import HIGH, SceneRenderer
 from adapt_envs.model.humanoid import CONTROL_DT
-from sb3_adaptnet.evaluation.pictures import captioned
+from sb3_adaptnet.evaluation.pictures.strips import captioned
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
 
 SECONDS, COLUMNS = 6.0, 7
