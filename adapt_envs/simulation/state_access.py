@@ -84,6 +84,11 @@ class StateAccess:
         return GoalStates(self.worlds.goals.target.copy(), self.worlds.goals.speed.copy())
 
     @property
+    def start_numbers(self) -> NDArray[np.integer]:
+        """(N,) which of the reference states each world's episode began in."""
+        return self.worlds.starts.copy()
+
+    @property
     def reference_states(self) -> ReferenceStates:
         """All start states of the reference motion, in order."""
         return _all_states(self.worlds.reference)

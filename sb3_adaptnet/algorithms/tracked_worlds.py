@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sb3_adaptnet.algorithms.retries import Retries
 from sb3_adaptnet.algorithms.rollouts.real_rollout import Moment, root_headings
 from sb3_adaptnet.algorithms.rollouts.strengths import strengths_at
 from sb3_adaptnet.algorithms.svg_settings import Episodes
@@ -50,6 +51,7 @@ class TrackedWorlds:
         guide: what they follow.
         error_limit, loose_limit: mean errors of the links' positions [m] at which an episode ends.
         strengths: (N,) at which the adaptation acts; in part, no episode ends by its error.
+        retries: start states in which loose worlds soon failed.
         loose: (N,) worlds with longer episodes and a wider limit.
         lengths: steps of the episodes that ended in the last rollout.
     """
@@ -76,11 +78,13 @@ class TrackedWorlds:
         self.error_limit = self.loose_limit = np.inf
         self.strengths = np.ones(env.num_envs, np.float32)
         self._strength_is_new = np.zeros(env.num_envs, np.bool_)
+        self.retries, self._retry_share = Retries(rng), 0.0
         self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []
         self._episodes, self._guiding = episodes, guiding
         self._ages = np.zeros(env.num_envs, np.int64)
         self._limits = np.zeros(env.num_envs, np.int64)
+        self._starts = np.zeros(env.num_envs, np.int64)
         self._all = np.arange(env.num_envs)
 
     def schedule(self, samples: int) -> None:
@@ -95,6 +99,7 @@ class TrackedWorlds:
         self.error_limit = value_at(episodes.error_limit, samples)
         self.loose_limit = value_at(episodes.loose_limit, samples)
         self.loose = self._all < value_at(episodes.loose_share, samples) * len(self._all)
+        self._retry_share = value_at(episodes.retry_share, samples)
         spreads = value_at(episodes.goal_spread, samples), value_at(episodes.loose_goal_spread, samples)
         self.env.set_attr("goal_spread", np.where(self.loose, spreads[1], spreads[0]))
         strengths = strengths_at(samples, len(self._all), value_at(episodes.partial_share, samples))
@@ -107,6 +112,7 @@ class TrackedWorlds:
     def _follow(self, ids: NDArray[np.integer], seen: NDArray[np.float32]) -> None:
         self.guide.restart(ids, seen, self._root_headings())
         lengths = np.where(self.loose[ids, None], self._episodes.loose_steps, self._episodes.steps)
+        self._starts[ids] = self.env.simulation.start_numbers[ids]
         self._ages[ids], self._limits[ids] = 0, self.rng.integers(lengths[:, 0], lengths[:, 1] + 1)
 
     def _root_headings(self) -> NDArray[np.floating]:
@@ -147,15 +153,35 @@ class TrackedWorlds:
         errors = np.where(dones, np.nan, self.guide.errors(self.guide.motion.seen_in(observations)))
         failed = errors > self._error_limits()
         stopped = np.flatnonzero(~dones & ((self._ages >= self._limits) | failed))
-        if len(stopped):
-            observations[stopped] = self.env.restart(stopped)
         for world in np.flatnonzero(dones):
             failed[world] = infos[world].get("end") in FAILURES
+        loose = np.flatnonzero(failed & self.loose)
+        self.retries.note(self._starts[loose], self._ages[loose])
+        self._restart(stopped, observations)
         ended = dones.copy()
         ended[stopped] = True
         self.lengths.extend(self._ages[ended].tolist())
         self._follow(np.flatnonzero(ended), self.guide.motion.seen_in(observations))
         return TrackedStep(observations, rewards, dones, infos, ended, failed, guidance, errors)
+
+    def _restart(self, stopped: NDArray[np.integer], observations: NDArray[np.float32]) -> None:
+        """End the episodes of the worlds `stopped` and put their first observations in place."""
+        if not len(stopped):
+            return
+        self._begin(stopped, observations)
+        if self._retry_share:
+            again = stopped[self.loose[stopped]]
+            sampled = self.env.simulation.start_numbers[again]
+            drawn = self.retries.draw(sampled, self._retry_share)
+            other = drawn != sampled
+            self._begin(again[other], observations, drawn[other])
+
+    def _begin(
+        self, ids: NDArray[np.integer], observations: NDArray[np.float32], starts: NDArray[np.integer] | None = None
+    ) -> None:
+        fresh = self.env.restart(ids, starts)
+        assert isinstance(fresh, np.ndarray)
+        observations[ids] = fresh
 
     def _error_limits(self) -> NDArray[np.floating]:
         """(N,) [m]."""

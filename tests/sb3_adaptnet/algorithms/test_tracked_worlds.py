@@ -102,3 +102,19 @@ def test_in_part_no_error_ends_an_episode_and_guides_begin_anew(make_worlds):
     worlds.schedule(1)  # the same strengths go on
     worlds.resynchronise(step.observations)
     assert worlds.guide.turn_rates.all()
+
+
+def test_loose_worlds_begin_again_where_they_soon_failed(make_worlds):
+    limits = {"error_limit": 0.05, "loose_limit": 0.05, "loose_share": 0.5}
+    worlds = make_worlds(**limits, retry_share=1.0)
+    worlds.guide.least_style = 1.0
+    begun, failed = np.zeros(WORLDS, np.bool_), set()
+    for _ in range(40):
+        starts = worlds.env.simulation.start_numbers
+        step = worlds.step(np.zeros((WORLDS, 28), np.float32))
+        failed |= set(starts[step.failed & worlds.loose])
+        now = worlds.env.simulation.start_numbers
+        begun |= step.ended & ~step.dones & (now != starts)
+        assert set(now[step.ended & ~step.dones & worlds.loose]) <= failed
+    assert begun[:10].any() and begun[10:].any()
+    assert not set(now[~worlds.loose]) <= failed
