@@ -47,13 +47,14 @@ def start_falls(policy: Acting, env: AdaptVectorEnv, count: int, seed: int, prog
         policy: acts on observations of all worlds.
         env: worlds without a time limit.
         count: episodes, rounded up to whole rounds of all worlds.
-        seed: of start states and goals.
+        seed: of start states and goals, which are the same for every policy.
         progress: wraps the numbers of the rounds.
     """
     env.set_goal(None, None)
     stood, fell = [], []
     for turn in progress(range(-(-count // env.num_envs))):
-        observations, _ = env.reset(seed=None if turn else seed)
+        # Every round has a seed of its own, so that all policies begin alike, however often they fall.
+        observations, _ = env.reset(seed=int(np.random.SeedSequence((seed, turn)).generate_state(1)[0]))
         stood.append(np.hypot(*env.worlds.physics.qvel[:, :2].T) < STANDING_SPEED)
         down, over = np.zeros(env.num_envs, bool), np.zeros(env.num_envs, bool)
         for _ in range(round(START_SECONDS / CONTROL_DT)):
