@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 SOON = 60
 """An episode of at most so many control steps failed by its start state, 2 s."""
 KEPT = 2000
-"""Start states at most that wait; the oldest are forgotten first."""
+"""Start states at most that wait; beyond that, earlier ones are forgotten."""
 
 
 class Retries:
@@ -30,12 +30,14 @@ class Retries:
         """Take up episodes (n,) that failed: the start state of each, and the control steps that it lasted."""
         self._waiting.extend(starts[ages <= SOON].tolist())
 
-    def draw(self, starts: NDArray[np.integer], share: float) -> NDArray[np.integer]:
-        """Replace start states (n,), each with the probability `share`, by ones that wait, as long as there are any."""
-        drawn = starts.copy()
-        for place in np.flatnonzero(self._rng.random(len(starts)) < share):
-            if self._waiting:
-                chosen = int(self._rng.integers(len(self._waiting)))
-                drawn[place] = self._waiting[chosen]
-                del self._waiting[chosen]
-        return drawn
+    def draw(self, count: int, share: float) -> NDArray[np.integer]:
+        """Take out start states for `count` new episodes, for each with the probability `share`, as long as any wait.
+
+        Returns at most `count` of them; the other episodes begin anywhere.
+        """
+        number = min(int(self._rng.binomial(count, share)), len(self._waiting))
+        if not number:
+            return np.zeros(0, np.int64)
+        mixed = self._rng.permutation(np.array(self._waiting))
+        self._waiting = deque(mixed[number:].tolist(), maxlen=KEPT)
+        return mixed[:number]

@@ -166,22 +166,14 @@ class TrackedWorlds:
 
     def _restart(self, stopped: NDArray[np.integer], observations: NDArray[np.float32]) -> None:
         """End the episodes of the worlds `stopped` and put their first observations in place."""
-        if not len(stopped):
-            return
-        self._begin(stopped, observations)
-        if self._retry_share:
-            again = stopped[self.loose[stopped]]
-            sampled = self.env.simulation.start_numbers[again]
-            drawn = self.retries.draw(sampled, self._retry_share)
-            other = drawn != sampled
-            self._begin(again[other], observations, drawn[other])
-
-    def _begin(
-        self, ids: NDArray[np.integer], observations: NDArray[np.float32], starts: NDArray[np.integer] | None = None
-    ) -> None:
-        fresh = self.env.restart(ids, starts)
-        assert isinstance(fresh, np.ndarray)
-        observations[ids] = fresh
+        loose = stopped[self.loose[stopped]]
+        starts = self.retries.draw(len(loose), self._retry_share)
+        again = np.sort(self.rng.choice(loose, len(starts), replace=False)) if len(starts) else loose[:0]
+        for ids, chosen in ((np.setdiff1d(stopped, again), None), (again, starts)):
+            if len(ids):
+                fresh = self.env.restart(ids, chosen)
+                assert isinstance(fresh, np.ndarray)
+                observations[ids] = fresh
 
     def _error_limits(self) -> NDArray[np.floating]:
         """(N,) [m]."""

@@ -72,14 +72,16 @@ def run(options: argparse.Namespace) -> int:
         loaded.env.push_scale = options.push_scale
     bar, base = ProgressBar("walking"), base_of(loaded, options.base)
     found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, bar, base, options.speed)
-    begun = {}
+    begun = None
     if options.starts is not None:
-        begun["starts"] = start_falls(loaded.policy, loaded.env, options.starts, options.seed, ProgressBar("beginning"))
+        begun = start_falls(loaded.policy, loaded.env, options.starts, options.seed, ProgressBar("beginning"))
     if options.json:
-        figures = found.figures.as_dict() | {name: falls.as_dict() for name, falls in begun.items()}
+        figures = found.figures.as_dict() | ({} if begun is None else {"starts": begun.as_dict()})
         print(json.dumps(figures, indent=2, allow_nan=False))
     else:
-        print("\n".join([text_table({loaded.title: found.figures}), *map(str, begun.values())]))
+        print(text_table({loaded.title: found.figures}))
+        if begun is not None:
+            print(begun)
     drawn = [write_card(options, found)] if options.write_card else []
     drawn += draw(loaded, found, options.sheet, options.video)
     drawn += write_motion(loaded, found, options.bvh, options.glb)
