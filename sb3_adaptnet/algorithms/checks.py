@@ -24,6 +24,18 @@ def check_window(window: int, steps: int) -> None:
         raise ValueError(f"window is {window}, expected 1 to n_steps, which is {steps}")
 
 
+def check_batch(batch_size: int | None, worlds: int | None) -> int | None:
+    """The batch size itself.
+
+    Raises:
+        ValueError: for one below 1, or above the number of worlds where that is known.
+    """
+    if batch_size is not None and not (isinstance(batch_size, int) and 0 < batch_size <= (worlds or batch_size)):
+        most = "the number of worlds" if worlds is None else f"{worlds}, the number of worlds"
+        raise ValueError(f"batch_size is {batch_size!r}, expected 1 to {most}, or None for all")
+    return batch_size
+
+
 def check_symmetry(symmetry: Schedule, mirror: bool) -> None:
     """Refuse a loss of what is done in a mirror without one.
 

@@ -16,7 +16,7 @@ from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
 from sb3_adaptnet.algorithms import svg_settings as groups
-from sb3_adaptnet.algorithms.checks import check_positive, check_symmetry, check_window, flag
+from sb3_adaptnet.algorithms.checks import check_batch, check_positive, check_symmetry, check_window, flag
 from sb3_adaptnet.algorithms.cost_critic import RECENT, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
@@ -55,6 +55,7 @@ class SVG(ModelBasedAlgorithm):
         learning_rate: Schedule = 5e-4,
         n_steps: int = 32,
         window: int = 16,
+        batch_size: int | None = None,
         gradient_steps: int = 6,
         recent_rollouts: int = 3,
         regression_updates: int = 300,
@@ -85,6 +86,7 @@ class SVG(ModelBasedAlgorithm):
             learning_rate: of the policy; a number, or samples -> number.
             n_steps: control steps of a rollout.
             window: control steps that gradients pass through.
+            batch_size: worlds whose windows an update learns from, drawn anew each time; None for all.
             gradient_steps: updates of the policy per rollout.
             recent_rollouts: rollouts that windows are taken from; every other one is from the latest.
             regression_updates: updates of the first guess, before the first rollout; 0 for a policy that has a start.
@@ -111,13 +113,13 @@ class SVG(ModelBasedAlgorithm):
         """
         super().__init__(
             policy, env, world_model, learning_rate, groups.grouped(groups.ModelRefresh, model_refresh),
-            groups.grouped(groups.ModelFits, model_fits), policy_kwargs,
-            stats_window_size=stats_window_size, tensorboard_log=tensorboard_log, verbose=verbose, device=device,
-            seed=seed, init_setup_model=_init_setup_model,
+            groups.grouped(groups.ModelFits, model_fits), policy_kwargs, stats_window_size=stats_window_size, seed=seed,
+            tensorboard_log=tensorboard_log, verbose=verbose, device=device, init_setup_model=_init_setup_model,
         )  # fmt: skip
         check_window(window, n_steps)
         check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
+        self.batch_size = check_batch(batch_size, None if env is None else self.n_envs)
         self.gradient_steps, self.recent_rollouts = gradient_steps, recent_rollouts
         self.average_decay, self.mirror = checked_decay("average_decay", average_decay), flag("mirror", mirror)
         self.episodes = groups.grouped(groups.Episodes, episodes)
@@ -169,9 +171,7 @@ class SVG(ModelBasedAlgorithm):
     def _set_out(self, env: AdaptVecEnv) -> None:
         """Begin new episodes in all worlds, with guides, and forget past rollouts."""
         self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.guiding, self.rng)
-        self._worlds.schedule(self.num_timesteps)
-        self._last_obs = observations = cast(NDArray[np.float32], env.reset())  # an array: there is no heightmap
-        self._worlds.begin(observations)
+        self._last_obs = self._worlds.begin(self.num_timesteps)
         reflection = Reflection.of(self.world_model.character, self.motion) if self.mirror else None
         kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT)
         self._rollouts = RecentRollouts(kept, reflection, self.rng)
@@ -221,7 +221,7 @@ class SVG(ModelBasedAlgorithm):
         frozen, weights = self.world_model.frozen(), self.loss_weights.at(self.num_timesteps)
         to_come = self._critic_training.learned(self.num_timesteps, weights, self._rollouts.latest(RECENT))
         with self.weight_average.learning():
-            chosen = (self._rollouts.chosen(number, self.recent_rollouts) for number in range(self.gradient_steps))
+            chosen = self._rollouts.chosen(self.gradient_steps, self.recent_rollouts, self.batch_size)
             logs = [self._improve(frozen, rollout, weights, to_come) for rollout in chosen]
         record_means(self.logger, logs)
 

@@ -64,7 +64,7 @@ class TrackedWorlds:
         guiding: Guiding,
         rng: np.random.Generator,
     ) -> None:
-        """Guide the worlds of `env` along `motion`; `schedule` and `begin` come first.
+        """Guide the worlds of `env` along `motion`; `begin` comes first.
 
         Args:
             env: the worlds.
@@ -105,9 +105,13 @@ class TrackedWorlds:
         strengths = strengths_at(samples, len(self._all), value_at(episodes.partial_share, samples))
         self.strengths, self._strength_is_new = strengths, strengths != self.strengths
 
-    def begin(self, observations: NDArray[np.float32]) -> None:
-        """Guide all worlds from where the environment's reset put them; observations (N, 784)."""
+    def begin(self, samples: int) -> NDArray[np.float32]:
+        """New episodes in all worlds, by the schedules' values after so many samples; returns observations (N, 784)."""
+        self.schedule(samples)
+        observations = self.env.reset()
+        assert isinstance(observations, np.ndarray)  # there is no heightmap
         self._follow(self._all, self.guide.motion.seen_in(observations))
+        return observations
 
     def _follow(self, ids: NDArray[np.integer], seen: NDArray[np.float32]) -> None:
         self.guide.restart(ids, seen, self._root_headings())

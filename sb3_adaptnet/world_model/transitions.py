@@ -62,7 +62,7 @@ class Transitions:
         if not 1 < held_out <= self.num_worlds:
             raise ValueError(f"every {held_out}th of {self.num_worlds} worlds cannot be held out")
         apart = np.arange(self.num_worlds) % held_out == 0
-        return self._of(~apart), self._of(apart)
+        return self.of(~apart), self.of(apart)
 
     @staticmethod
     def together(parts: Sequence["Transitions"]) -> "Transitions":
@@ -70,5 +70,6 @@ class Transitions:
         names = ("qpos", "qvel", "actions", "ended")
         return Transitions(*(np.concatenate([getattr(part, name) for part in parts], axis=1) for name in names))
 
-    def _of(self, worlds: NDArray[np.bool_]) -> "Transitions":
+    def of(self, worlds: NDArray[np.bool_] | NDArray[np.integer]) -> "Transitions":
+        """The same of some worlds, which a mask (N,) or their numbers (n,) name."""
         return Transitions(self.qpos[:, worlds], self.qvel[:, worlds], self.actions[:, worlds], self.ended[:, worlds])

@@ -98,6 +98,16 @@ class RealRollout:
         """T."""
         return len(self.transitions)
 
+    def of(self, worlds: NDArray[np.integer]) -> "RealRollout":
+        """The same of some worlds (n,)."""
+        by_time = ("noise", "frames", "targets", "speeds", "phases", "headings", "turn_rates", "style", "failed")
+        return RealRollout(
+            transitions=self.transitions.of(worlds),
+            **{name: getattr(self, name)[:, worlds] for name in by_time},
+            strengths=self.strengths[worlds],
+            mirrored=self.mirrored[worlds],
+        )
+
     def alive(self, start: int, steps: int) -> NDArray[np.bool_]:
         """(steps, N) whether the episode that a world is in at `start` goes on through each step from there on."""
         return ~np.logical_or.accumulate(self.transitions.ended[start : start + steps], axis=0)

@@ -1,6 +1,7 @@
 """The latest rollouts, from which policy, model and critic learn."""
 
 from collections import deque
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -31,11 +32,15 @@ class RecentRollouts:
         """All forms of the `count` latest rollouts, oldest first."""
         return list(self._kept)[-count * self._forms :]
 
-    def chosen(self, number: int, count: int) -> RealRollout:
-        """What update `number` of a round learns from: every other one from the latest, its forms in turn.
+    def chosen(self, updates: int, count: int, batch_size: int | None = None) -> Iterator[RealRollout]:
+        """What each of a round's updates learns from: every other one from the latest, its forms in turn.
 
-        The others take any of the `count` latest.
+        The others take any of the `count` latest. With a `batch_size` it is only so many of the worlds, drawn anew.
         """
         recent = self.latest(count)
-        newest = -1 - (number // 2) % self._forms
-        return recent[newest if number % 2 == 0 else self._rng.integers(len(recent))]
+        for number in range(updates):
+            newest = -1 - (number // 2) % self._forms
+            rollout = recent[newest if number % 2 == 0 else self._rng.integers(len(recent))]
+            if batch_size is not None:
+                rollout = rollout.of(self._rng.choice(rollout.transitions.num_worlds, batch_size, replace=False))
+            yield rollout

@@ -18,12 +18,10 @@ WORLDS = 20
 def make_worlds():
     def make(guiding=None, **episodes):
         env = AdaptVecEnv("AdaptNet/Humanoid-GooseStep-v0", num_envs=WORLDS, num_threads=1, seed=0)
-        observations = env.reset()
         character, reference = Character.of(env.simulation.model), env.simulation.reference_states
         motion = TrackedMotion.of(character, torch.device("cpu"), [reference])
         worlds = TrackedWorlds(env, motion, Episodes(**episodes), guiding or Guiding(), np.random.default_rng(0))
-        worlds.schedule(0)
-        worlds.begin(observations)
+        worlds.begin(0)
         return worlds
 
     return make

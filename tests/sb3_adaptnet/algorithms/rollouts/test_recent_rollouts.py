@@ -29,8 +29,27 @@ def test_without_a_reflection_the_latest_are_kept_as_they_are(rollouts):
     for rollout in rollouts:
         recent.add(rollout, 0.0)
     assert recent.latest(5) == rollouts[1:]
-    assert recent.latest(1) == [recent.chosen(0, 2)] == rollouts[2:]
-    assert {recent.chosen(1, 2) for _ in range(20)} == set(rollouts[1:])
+    chosen = list(recent.chosen(40, 2))
+    assert recent.latest(1) == rollouts[2:]
+    assert set(chosen[::2]) == {rollouts[2]}
+    assert set(chosen[1::2]) == set(rollouts[1:])
+
+
+def test_a_batch_is_of_worlds_that_are_drawn_anew(rollouts):
+    recent = RecentRollouts(1, None, np.random.default_rng(0))
+    recent.add(rollouts[0], 0.0)
+    whole = [tuple(positions.ravel()) for positions in rollouts[0].transitions.qpos.swapaxes(0, 1)]
+    drawn = []
+    for part in recent.chosen(30, 1, 4):
+        worlds = [whole.index(tuple(one.ravel())) for one in part.transitions.qpos.swapaxes(0, 1)]
+        drawn.append(tuple(sorted(worlds)))
+        for name in ("noise", "frames", "targets", "speeds", "phases", "headings", "turn_rates", "style", "failed"):
+            assert np.array_equal(getattr(part, name), getattr(rollouts[0], name)[:, worlds])
+        assert np.array_equal(part.strengths, rollouts[0].strengths[worlds])
+        assert np.array_equal(part.mirrored, rollouts[0].mirrored[worlds])
+        assert np.array_equal(part.transitions.ended, rollouts[0].transitions.ended[:, worlds])
+    assert all(len(set(worlds)) == 4 for worlds in drawn)
+    assert len(set(drawn)) > 5
 
 
 def test_both_halves_see_the_mirror(svg, rollouts):
@@ -43,8 +62,9 @@ def test_both_halves_see_the_mirror(svg, rollouts):
     same = [(form.headings == rollouts[-1].headings).all(axis=0) for form in (one, other)]
     assert same[0].sum() == 3
     assert np.array_equal(same[0], ~same[1])
-    assert recent.chosen(0, 2) is other
-    assert recent.chosen(2, 2) is one
+    chosen = list(recent.chosen(4, 2))
+    assert chosen[0] is other
+    assert chosen[2] is one
 
 
 def test_svg_learns_from_the_mirror_only_where_the_motion_is_symmetric(svg, make_svg):
@@ -63,3 +83,16 @@ def test_a_saved_model_still_knows_that_it_shall_look_into_the_mirror(svg, tmp_p
     loaded = type(svg).load(tmp_path / "model", env=svg.env, device="cpu")
     loaded.learn(48, reset_num_timesteps=False)
     assert len(loaded._rollouts.latest(1)) == 2
+
+
+def test_svg_learns_from_a_batch_of_the_worlds(make_svg):
+    whole, batch = (make_svg(6, "AdaptNet/Humanoid-GooseStep-v0", batch_size=size).learn(48) for size in (None, 3))
+    assert whole.num_timesteps == batch.num_timesteps
+    pairs = zip(whole.policy.parameters(), batch.policy.parameters(), strict=True)
+    assert any(not one.equal(other) for one, other in pairs)
+
+
+@pytest.mark.parametrize("size", [0, 7, "3", 2.0])
+def test_a_batch_is_some_of_the_worlds(make_svg, size):
+    with pytest.raises(ValueError, match=f"batch_size is {size!r}, expected 1 to 6, the number of worlds, or None"):
+        make_svg(6, batch_size=size)
