@@ -11,6 +11,7 @@ from sb3_adaptnet.algorithms.checks import check_positive
 from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
 from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, checked_decay, highest, value_at
+from sb3_adaptnet.world_model.model import Sizes
 
 Group = TypeVar("Group")
 
@@ -113,7 +114,7 @@ class ModelFits:
 
     efforts: Mapping[int, float] = field(default_factory=lambda: {0: 0.3})
     steps: int = 600
-    width: int = 1024
+    width: int = Sizes().width
 
     def __post_init__(self) -> None:
         """Check the numbers.

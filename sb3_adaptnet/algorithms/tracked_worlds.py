@@ -94,6 +94,7 @@ class TrackedWorlds:
         guide.fastest_turn = np.minimum(value_at(guiding.turn_rate, samples), guiding.turn_per_footstep * footsteps)
         guide.turn_acceleration = value_at(guiding.turn_acceleration, samples)
         guide.turn_gain = value_at(guiding.turn_gain, samples)
+        guide.turn_at_rest = value_at(guiding.turn_at_rest, samples)
         guide.left_from_behind = value_at(guiding.left_from_behind, samples)
         guide.least_style = value_at(guiding.least_style, samples)
         self.error_limit = value_at(episodes.error_limit, samples)
@@ -151,8 +152,9 @@ class TrackedWorlds:
         assert isinstance(observations, np.ndarray)
         self._ages += 1
         simulation = self.env.simulation
-        root_xy, goals = simulation.physics_states.qpos[:, :2], simulation.goal_states
-        self.guide.advance(goals.target - root_xy, self._root_headings(), goals.speed)
+        states, goals = simulation.physics_states, simulation.goal_states
+        moving = np.hypot(*states.qvel[:, :2].T)
+        self.guide.advance(goals.target - states.qpos[:, :2], self._root_headings(), goals.speed, moving)
         guidance = self.guide.now
         errors = np.where(dones, np.nan, self.guide.errors(self.guide.motion.seen_in(observations)))
         failed = errors > self._error_limits()

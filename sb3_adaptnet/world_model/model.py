@@ -20,7 +20,7 @@ TOUCH_SCALES = (0.01, 0.03)
 class Sizes(NamedTuple):
     """Sizes of the dynamics network: `depth` hidden layers of `width` numbers."""
 
-    width: int = 1024
+    width: int = 512
     depth: int = 3
 
 

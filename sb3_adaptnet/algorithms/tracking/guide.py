@@ -1,13 +1,12 @@
 """Which phase and direction of the reference motion each world follows: an ideal walker that turns towards the goal."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
-from sb3_adaptnet.objectives.schedule import Schedule, check_schedule
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, highest
 from sb3_adaptnet.world_model.integration import CONTROL_DT
 
 NEAR, FAR = 0.3, 0.7
@@ -37,6 +36,8 @@ class Guiding:
         turn_per_footstep: at most so far it turns per footstep [rad]: no style turns faster than it sets its feet.
         turn_acceleration: how fast the turn rate may change [rad/s^2].
         turn_gain: turn rate at most, per angle left to turn [1/s].
+        turn_at_rest: share of the turn rate for a character that stands; it grows with its speed, to the whole at the
+            preferred one. With 1 it shall turn on the spot, which gait cycles do not show, and may fall.
         left_from_behind: to a target within this angle [rad] of straight behind, on either side, it turns left. Who
             sways sees such a target now left, now right; if guides turn either way, it walks straight on until it is
             lost.
@@ -52,6 +53,7 @@ class Guiding:
     turn_per_footstep: float = 0.8
     turn_acceleration: Schedule = 3.0
     turn_gain: Schedule = 2.0
+    turn_at_rest: Schedule = 1.0
     longest_lead: float = 1.5
     left_from_behind: Schedule = 0.0
     gaits: tuple[float, ...] = ()
@@ -61,17 +63,19 @@ class Guiding:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative rate, acceleration, gain, angle or worth, an angle of half a turn or more, or a
-                turn, lead or speed that is not positive.
+            ValueError: for a negative rate, acceleration, gain, angle or worth, an angle of half a turn or more, a share
+                above 1, or a turn, lead or speed that is not positive.
         """
         check_schedule("turn_rate", self.turn_rate)
         check_schedule("least_style", self.least_style)
         check_schedule("turn_acceleration", self.turn_acceleration)
         check_schedule("turn_gain", self.turn_gain)
+        check_schedule("turn_at_rest", self.turn_at_rest)
+        if highest(self.turn_at_rest) > 1:
+            raise ValueError(f"turn_at_rest is a share, at most 1, not {self.turn_at_rest!r}")
         check_schedule("left_from_behind", self.left_from_behind)
-        behind = self.left_from_behind
-        if max(behind.values() if isinstance(behind, Mapping) else [behind]) >= np.pi:
-            raise ValueError(f"left_from_behind is an angle below pi, not {behind!r}")
+        if highest(self.left_from_behind) >= np.pi:
+            raise ValueError(f"left_from_behind is an angle below pi, not {self.left_from_behind!r}")
         if not (self.turn_per_footstep > 0 and self.longest_lead > 0):
             raise ValueError(f"turn_per_footstep and longest_lead must be positive, not {self}")
         if not isinstance(self.gaits, (tuple, list)) or any(speed <= 0 for speed in self.gaits):
@@ -103,7 +107,7 @@ class Guide:
         phases, headings, turn_rates, style: as in `Guidance`.
         calm_steps: (N,) control steps since the character last turned.
         fastest_turn: largest turn rate [rad/s], for all or (N,).
-        turn_acceleration, turn_gain, left_from_behind, least_style: as in `Guiding`, now.
+        turn_acceleration, turn_gain, turn_at_rest, left_from_behind, least_style: as in `Guiding`, now.
     """
 
     def __init__(self, motion: TrackedMotion, num_worlds: int, longest_lead: float = 1.5) -> None:
@@ -115,7 +119,8 @@ class Guide:
         self.style = np.ones(num_worlds)
         self.calm_steps = np.full(num_worlds, _LONG_CALM)
         self.fastest_turn: float | NDArray[np.floating] = 0.0
-        self.turn_acceleration, self.turn_gain, self.left_from_behind, self.least_style = 3.0, 2.0, 0.0, 1.0
+        self.turn_acceleration, self.turn_gain, self.turn_at_rest = 3.0, 2.0, 1.0
+        self.left_from_behind, self.least_style = 0.0, 1.0
         self._between = np.zeros(num_worlds)  # how far each guide is beyond its phase, -0.5 to 0.5
         self._facing = motion.facing.cpu().numpy()
 
@@ -136,7 +141,11 @@ class Guide:
         self.style[ids], self.calm_steps[ids] = 1, _LONG_CALM
 
     def advance(
-        self, to_target: NDArray[np.floating], root_heading: NDArray[np.floating], speeds: NDArray[np.floating]
+        self,
+        to_target: NDArray[np.floating],
+        root_heading: NDArray[np.floating],
+        speeds: NDArray[np.floating],
+        moving: NDArray[np.floating],
     ) -> None:
         """One control step.
 
@@ -144,12 +153,14 @@ class Guide:
             to_target: (N, 2) from the roots to the targets [m], world.
             root_heading: (N,) headings of the roots after the step [rad], world.
             speeds: (N,) preferred [m/s].
+            moving: (N,) speeds of the roots over the ground after the step [m/s].
         """
         self._advance_phases(speeds)
         travel, target = root_heading - self._facing[self.phases], np.arctan2(to_target[:, 1], to_target[:, 0])
         far = np.clip((np.hypot(*to_target.T) - NEAR) / (FAR - NEAR), 0, 1)
         left = _wrapped(target - self.headings - self.left_from_behind) + self.left_from_behind
-        wanted = self._wanted_turn(left) * far
+        fastest = self.fastest_turn * (self.turn_at_rest + (1 - self.turn_at_rest) * np.minimum(moving / speeds, 1))
+        wanted = self._wanted_turn(left, fastest) * far
         most = self.turn_acceleration * CONTROL_DT
         self.turn_rates += np.clip(wanted - self.turn_rates, -most, most)
         self.headings += CONTROL_DT * self.turn_rates
@@ -157,10 +168,10 @@ class Guide:
         self.headings -= lead - np.clip(lead, -self.longest_lead, self.longest_lead)
         self._weigh_style(np.abs(_wrapped(target - travel)) * far)
 
-    def _wanted_turn(self, left: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Turn rates (N,) for angles (N,) left to turn, from which the turns can still be ended in time."""
+    def _wanted_turn(self, left: NDArray[np.floating], fastest: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Turn rates (N,), at most `fastest`, for angles (N,) left to turn; the turns can still be ended in time."""
         in_time = np.sqrt(2 * self.turn_acceleration * np.abs(left))
-        rate = np.minimum(self.turn_gain * np.abs(left), np.minimum(in_time, self.fastest_turn))
+        rate = np.minimum(self.turn_gain * np.abs(left), np.minimum(in_time, fastest))
         return np.asarray(np.sign(left) * rate)
 
     def _advance_phases(self, speeds: NDArray[np.floating]) -> None:

@@ -21,7 +21,8 @@ def guide():
 
 
 def at_own_speed(guide):
-    return np.full(5, guide.motion.gaits.speeds[0])
+    """Preferred speeds and those of the roots (5,) each, alike."""
+    return (np.full(5, guide.motion.gaits.speeds[0]),) * 2
 
 
 def test_a_guide_begins_where_its_character_faces(guide):
@@ -33,7 +34,7 @@ def test_it_turns_to_the_target_as_fast_as_it_may(guide):
     angles = np.array([0.0, 0.4, 1.5, -1.5, 3.0])
     target, headings = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1), []
     for _ in range(300):
-        guide.advance(target, guide.headings + guide._facing[guide.phases], at_own_speed(guide))
+        guide.advance(target, guide.headings + guide._facing[guide.phases], *at_own_speed(guide))
         headings.append(guide.headings.copy())
     rates = np.diff(headings, axis=0) / CONTROL_DT
     assert np.abs(rates).max() == pytest.approx(0.6)
@@ -41,12 +42,23 @@ def test_it_turns_to_the_target_as_fast_as_it_may(guide):
     assert np.allclose(headings[-1], angles, atol=1e-3)
 
 
+def test_who_stands_turns_slowly(guide):
+    """The guide's rate grows with the character's speed, from a share of what it may be to all of it."""
+    guide.turn_at_rest = 0.25
+    wanted, _ = at_own_speed(guide)
+    moving = wanted * [0.0, 0.2, 0.6, 1.0, 1.5]
+    target = np.array([[0.0, 5.0]] * 5)
+    for _ in range(15):
+        guide.advance(target, guide.headings + guide._facing[guide.phases], wanted, moving)
+    assert guide.turn_rates == pytest.approx(0.6 * np.array([0.25, 0.4, 0.7, 1.0, 1.0]))
+
+
 def test_fast_turns_end_in_time(guide):
     guide.fastest_turn, guide.turn_acceleration, guide.turn_gain = 4.5, 9.0, 5.0
     angles, headings = np.array([0.2, 1.0, -2.0, 3.0, -3.0]), []
     target = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for _ in range(60):
-        guide.advance(target, guide.headings + guide._facing[guide.phases], at_own_speed(guide))
+        guide.advance(target, guide.headings + guide._facing[guide.phases], *at_own_speed(guide))
         headings.append(guide.headings.copy())
     beyond = np.sign(angles) * (np.array(headings) - angles)
     assert beyond.max() < 0.1  # hardly overshoots
@@ -62,7 +74,7 @@ def test_targets_about_straight_behind_are_turned_to_by_the_left(guide, angles, 
     guide.left_from_behind, rates = 0.6, []
     target = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for _ in range(300):
-        guide.advance(target, guide.headings + guide._facing[guide.phases], at_own_speed(guide))
+        guide.advance(target, guide.headings + guide._facing[guide.phases], *at_own_speed(guide))
         rates.append(guide.turn_rates * signs)
     assert np.min(rates) > -0.05
     there = [angle + 2 * np.pi * (sign != np.sign(angle)) for angle, sign in zip(angles, signs, strict=True)]
@@ -70,13 +82,13 @@ def test_targets_about_straight_behind_are_turned_to_by_the_left(guide, angles, 
 
 
 def test_it_keeps_its_direction_near_the_target(guide):
-    guide.advance(np.full((5, 2), 0.1), guide.headings, at_own_speed(guide))
+    guide.advance(np.full((5, 2), 0.1), guide.headings, *at_own_speed(guide))
     assert np.allclose(guide.headings, 0, atol=1e-6)
 
 
 def test_it_waits_for_its_character(guide):
     for _ in range(300):
-        guide.advance(np.array([[0.0, 5.0]] * 5), guide._facing[guide.phases], at_own_speed(guide))
+        guide.advance(np.array([[0.0, 5.0]] * 5), guide._facing[guide.phases], *at_own_speed(guide))
     assert np.allclose(guide.headings, 1.5, atol=0.05)
 
 
@@ -93,7 +105,7 @@ def test_its_tempo_is_the_root_of_the_speed(guide):
     speeds = guide.motion.gaits.speeds[0] * np.array([1.0, 0.9, 1.1, 0.1, 9.0])
     before = guide.phases.copy()
     for _ in range(40):
-        guide.advance(np.full((5, 2), 0.1), guide.headings, speeds)
+        guide.advance(np.full((5, 2), 0.1), guide.headings, speeds, speeds)
     gone = (guide.phases + guide._between - before) % len(guide.motion)
     assert np.allclose(gone, 40 * np.clip(np.sqrt([1.0, 0.9, 1.1, 0.1, 9.0]), 0.87, 1.15))
 
@@ -102,11 +114,11 @@ def test_the_style_counts_less_in_turns(guide):
     guide.least_style, angles = 0.2, np.array([0.0, 0.24, 0.8, -0.8, 3.0])
     target = 5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     facing = guide._facing[guide.motion.gaits.shifted(guide.phases, 1)]
-    guide.advance(target, facing, at_own_speed(guide))
+    guide.advance(target, facing, *at_own_speed(guide))
     assert np.allclose(guide.style, [1, 1, 0.3, 0.3, 0.2], atol=1e-6)
     assert (guide.calm_steps > 1000).tolist() == [True, True, False, False, False]
     guide.least_style = 1.0
-    guide.advance(target, facing, at_own_speed(guide))
+    guide.advance(target, facing, *at_own_speed(guide))
     assert np.allclose(guide.style, 1)
     assert guide.calm_steps[4] == 1
     guide.restart(np.array([4]), guide.motion.seen[:5], facing)
@@ -120,6 +132,8 @@ def test_what_no_guide_can_do_is_refused():
         Guiding(left_from_behind=-0.1)
     with pytest.raises(ValueError, match="left_from_behind is an angle below pi, not {0: 0.0, 9: 40.0}"):
         Guiding(left_from_behind={0: 0.0, 9: 40.0})
+    with pytest.raises(ValueError, match="turn_at_rest is a share, at most 1, not 1.2"):
+        Guiding(turn_at_rest=1.2)
     with pytest.raises(ValueError, match="must be positive"):
         Guiding(longest_lead=0.0)
     for gaits in (0.9, [0.9, 0.0], "fast"):
@@ -140,7 +154,7 @@ def test_a_guide_changes_to_the_gait_of_its_speed(many_gaits):
     guide.restart(np.arange(3), many_gaits.seen[[0, 0, 0]], np.zeros(3))
     assert guide.phases.tolist() == [0, 0, 0]
     for _ in range(100):
-        guide.advance(np.full((3, 2), 0.1), guide.headings, np.array([0.5, 1.0, 2.0]))
+        guide.advance(np.full((3, 2), 0.1), guide.headings, *(np.array([0.5, 1.0, 2.0]),) * 2)
         assert gaits.of(guide.phases).tolist() == [0, 1, 2]
 
 
