@@ -63,8 +63,8 @@ class Guiding:
         """Check the numbers.
 
         Raises:
-            ValueError: for a negative rate, acceleration, gain, angle or worth, an angle of half a turn or more, a share
-                above 1, or a turn, lead or speed that is not positive.
+            ValueError: for a negative rate, acceleration, gain, angle or worth, an angle of half a turn or more, a
+                share above 1, or a turn, lead or speed that is not positive.
         """
         check_schedule("turn_rate", self.turn_rate)
         check_schedule("least_style", self.least_style)
