@@ -14,6 +14,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices,
 
 import adapt_envs as adapt_envs  # registers the ids
 from adapt_envs.features.observation_rows import Observations, copied
+from adapt_envs.simulation.situations import Situations as Situations  # learners have it from here
 from adapt_envs.simulation.state_access import ReferenceStates, StateAccess
 
 NO_INFO: dict[str, Any] = {}
@@ -136,19 +137,19 @@ class AdaptVecEnv(VecEnv):
         info = {"terminal_observation": observation, "TimeLimit.truncated": truncated, "episode": episode}
         return info if ends is None else {"end": str(ends[world]), **info}
 
-    def restart(self, worlds: NDArray[np.integer], starts: NDArray[np.integer] | None = None) -> Observations:
+    def restart(self, worlds: NDArray[np.integer], situations: Situations | None = None) -> Observations:
         """End the episodes of some worlds (n,) before their time and begin others.
 
         Args:
             worlds: their numbers.
-            starts: numbers (n,) of the reference states to begin in; None samples them.
+            situations: n situations to go on from; None begins in sampled states of the reference motion.
 
         Returns:
             First observations of these n worlds.
         """
         self._returns[worlds] = 0.0
         self._lengths[worlds] = 0
-        return copied(self.simulation.restart(worlds, starts))
+        return copied(self.simulation.restart(worlds, situations))
 
     @property
     def simulation(self) -> StateAccess:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from adapt_envs.features.observation_rows import Observations
 from adapt_envs.motion.library import ReferenceMotion
 from adapt_envs.simulation.gait_cycles import gaits_at
+from adapt_envs.simulation.situations import Situations
 from adapt_envs.simulation.worlds import Worlds
 
 
@@ -84,9 +85,11 @@ class StateAccess:
         return GoalStates(self.worlds.goals.target.copy(), self.worlds.goals.speed.copy())
 
     @property
-    def start_numbers(self) -> NDArray[np.integer]:
-        """(N,) which of the reference states each world's episode began in."""
-        return self.worlds.starts.copy()
+    def situations(self) -> Situations:
+        """What all worlds are in the middle of, for `restart` to go on from there."""
+        goals = self.worlds.goals
+        when = goals.distance.copy(), goals.steps_left.copy()
+        return Situations(*self.physics_states, self.link_histories, *self.goal_states, *when)
 
     @property
     def reference_states(self) -> ReferenceStates:
@@ -101,17 +104,17 @@ class StateAccess:
         """
         return [_all_states(gait) for gait in gaits_at(self.worlds.reference, speeds)]
 
-    def restart(self, ids: NDArray[np.integer], starts: NDArray[np.integer] | None = None) -> Observations:
+    def restart(self, ids: NDArray[np.integer], situations: Situations | None = None) -> Observations:
         """End the episodes of the worlds `ids` and begin others.
 
         Args:
             ids: (n,) worlds.
-            starts: (n,) numbers of reference states to begin in; None samples them.
+            situations: n situations to go on from; None begins in sampled states of the reference motion.
 
         Returns:
             First observations of these n worlds.
         """
-        return self.worlds.reset(ids, starts)
+        return self.worlds.reset(ids) if situations is None else self.worlds.resume(ids, situations)
 
 
 def _all_states(motion: ReferenceMotion) -> ReferenceStates:

@@ -22,6 +22,7 @@ from adapt_envs.motion.library import reference_motion
 from adapt_envs.simulation.falls import fallen
 from adapt_envs.simulation.gait_cycles import gait_cycles
 from adapt_envs.simulation.physics import PhysicsBatch
+from adapt_envs.simulation.situations import Situations
 from adapt_envs.simulation.spawn import spawned
 from adapt_envs.suite import TaskSpec, preferred_speeds
 from adapt_envs.tables import entry
@@ -127,26 +128,38 @@ class Worlds:
         """(N, 15, 3) of the links [m] now, heading frame."""
         return self._features[:, -1, :, :3]
 
-    def reset(self, ids: NDArray[np.integer], start: int | NDArray[np.integer] | None = None) -> Observations:
+    def reset(self, ids: NDArray[np.integer], start: int | None = None) -> Observations:
         """Restart the worlds `ids` from states of the motion with new goals; held goals stay held.
 
         Args:
             ids: (n,) worlds; all of them the first time.
-            start: number of the start state, below `reference.num_states`, or (n,) of them; None samples them.
+            start: number of the start state, below `reference.num_states`; None samples them.
 
         Returns:
             First observations of these n worlds.
         """
         count = self.reference.num_states
         chosen = self.rng.integers(count, size=len(ids)) if start is None else np.full(len(ids), start)
-        qpos, qvel, history = self._somewhere(*self.reference.states(chosen))
+        self.starts[ids] = chosen
+        self._place(ids, *self._somewhere(*self.reference.states(chosen)))
+        self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
+        return self._begun(ids)
+
+    def resume(self, ids: NDArray[np.integer], situations: Situations) -> Observations:
+        """Let the worlds (n,) go on from n situations of this task; returns observations of these n worlds."""
+        self._place(ids, situations.qpos, situations.qvel, situations.history)
+        self.goals.put(ids, situations.target, situations.speed, situations.distance, situations.steps_left)
+        return self._begun(ids)
+
+    def _place(self, ids: NDArray[np.integer], qpos: Array, qvel: Array, history: NDArray[np.float32]) -> None:
         self.physics.set_states(ids, qpos, qvel)
         self.history[ids] = history
-        self.steps[ids], self.starts[ids] = 0, chosen
+        self.steps[ids] = 0
         if self.pushes is not None:
             self.pushes.restart(ids, self.rng)
-        self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
-        features = heading_frame_features(history, self.ground.floor_at(self.root_xy[ids]))
+
+    def _begun(self, ids: NDArray[np.integer]) -> Observations:
+        features = heading_frame_features(self.history[ids], self.ground.floor_at(self.root_xy[ids]))
         if self._clocks is not None:
             self._clocks.restart(ids, features[:, -1, :, :3])
         fresh = self._observed(features, ids)

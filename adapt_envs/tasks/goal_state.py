@@ -37,6 +37,18 @@ class Goals:
         self.held_speed = np.ones(num_worlds)
         self.spread = np.ones(num_worlds)
 
+    def put(
+        self,
+        ids: NDArray[np.integer],
+        target: NDArray[np.floating],
+        speed: NDArray[np.floating],
+        distance: NDArray[np.floating],
+        steps_left: NDArray[np.integer],
+    ) -> None:
+        """Give the worlds (n,) these goals: (n, 2), (n,), (n,) and (n,)."""
+        self.target[ids], self.speed[ids] = target, speed
+        self.distance[ids], self.steps_left[ids] = distance, steps_left
+
     def hold(self, ids: NDArray[np.integer], heading: float | None, speed: float | None) -> None:
         """Hold the goals of the worlds `ids`, from their next sample on; None for both frees them.
 

@@ -31,8 +31,8 @@ class Episodes:
         partial_share: share of the time in which the adaptation acts in part, in each world at a strength drawn from 0
             to 1, so that half a style steers, too. The error ends no such episode, and the style's loss counts by the
             strength squared. Styles far from the base pay for much of it at full strength.
-        retry_share: share of the loose worlds' new episodes that begin in a state of the motion in which one failed
-            within 2 s, as long as there are such states. Each comes again until it succeeds.
+        retry_share: share of the loose worlds' new episodes that begin 1.5 s before one failed, with its goal, as long
+            as there are such situations. Each comes again until it succeeds, five times at most.
         steps: fewest and most control steps of an episode.
         loose_steps: the same of a loose world.
     """

@@ -51,7 +51,7 @@ class TrackedWorlds:
         guide: what they follow.
         error_limit, loose_limit: mean errors of the links' positions [m] at which an episode ends.
         strengths: (N,) at which the adaptation acts; in part, no episode ends by its error.
-        retries: start states in which loose worlds soon failed.
+        retries: what came before loose worlds failed.
         loose: (N,) worlds with longer episodes and a wider limit.
         lengths: steps of the episodes that ended in the last rollout.
     """
@@ -78,13 +78,12 @@ class TrackedWorlds:
         self.error_limit = self.loose_limit = np.inf
         self.strengths = np.ones(env.num_envs, np.float32)
         self._strength_is_new = np.zeros(env.num_envs, np.bool_)
-        self.retries, self._retry_share = Retries(rng), 0.0
+        self.retries, self._retry_share = Retries(env.num_envs, rng), 0.0
         self.loose = np.zeros(env.num_envs, np.bool_)
         self.lengths: list[int] = []
         self._episodes, self._guiding = episodes, guiding
         self._ages = np.zeros(env.num_envs, np.int64)
         self._limits = np.zeros(env.num_envs, np.int64)
-        self._starts = np.zeros(env.num_envs, np.int64)
         self._all = np.arange(env.num_envs)
 
     def schedule(self, samples: int) -> None:
@@ -117,7 +116,6 @@ class TrackedWorlds:
     def _follow(self, ids: NDArray[np.integer], seen: NDArray[np.float32]) -> None:
         self.guide.restart(ids, seen, self._root_headings())
         lengths = np.where(self.loose[ids, None], self._episodes.loose_steps, self._episodes.steps)
-        self._starts[ids] = self.env.simulation.start_numbers[ids]
         self._ages[ids], self._limits[ids] = 0, self.rng.integers(lengths[:, 0], lengths[:, 1] + 1)
 
     def _root_headings(self) -> NDArray[np.floating]:
@@ -148,6 +146,8 @@ class TrackedWorlds:
 
     def step(self, actions: NDArray[np.float32]) -> TrackedStep:
         """Advance all worlds and their guides by one control step; worlds that ended have begun again."""
+        if self._retry_share > 0:
+            self.retries.watch(self.env.simulation.situations)
         observations, rewards, dones, infos = self.env.step(actions)
         assert isinstance(observations, np.ndarray)
         self._ages += 1
@@ -162,7 +162,8 @@ class TrackedWorlds:
         for world in np.flatnonzero(dones):
             failed[world] = infos[world].get("end") in FAILURES
         loose = np.flatnonzero(failed & self.loose)
-        self.retries.note(self._starts[loose], self._ages[loose])
+        self.retries.note(loose, self._ages[loose])
+        self.retries.begin(np.flatnonzero(dones))
         self._restart(stopped, observations)
         ended = dones.copy()
         ended[stopped] = True
@@ -172,10 +173,10 @@ class TrackedWorlds:
 
     def _restart(self, stopped: NDArray[np.integer], observations: NDArray[np.float32]) -> None:
         """End the episodes of the worlds `stopped` and put their first observations in place."""
-        loose = stopped[self.loose[stopped]]
-        starts = self.retries.draw(len(loose), self._retry_share)
-        again = np.sort(self.rng.choice(loose, len(starts), replace=False)) if len(starts) else loose[:0]
-        for ids, chosen in ((np.setdiff1d(stopped, again), None), (again, starts)):
+        again, situations = self.retries.draw(stopped[self.loose[stopped]], self._retry_share)
+        others = np.setdiff1d(stopped, again)
+        self.retries.begin(others)
+        for ids, chosen in ((others, None), (again, situations)):
             if len(ids):
                 fresh = self.env.restart(ids, chosen)
                 assert isinstance(fresh, np.ndarray)

@@ -30,15 +30,29 @@ def test_what_is_read_is_a_copy(env):
     assert not np.array_equal(env.physics_states.qpos, before[0])
 
 
-def test_single_worlds_restart_where_one_wants(env):
+def test_single_worlds_restart(env):
     env.step(np.zeros(env.action_space.shape, np.float32))
     before, ids = env.physics_states.qpos, np.array([1, 3])
-    observations = env.restart(ids, np.array([5, 9]))
+    observations = env.restart(ids)
     assert observations.shape == (2, 784)
-    assert np.array_equal(env.worlds.starts[ids], [5, 9])
-    assert np.allclose(env.physics_states.qpos[ids], env.reference_states.qpos[[5, 9]])
+    assert np.allclose(env.physics_states.qpos[ids], env.reference_states.qpos[env.worlds.starts[ids]])
     assert np.array_equal(env.physics_states.qpos[[0, 2]], before[[0, 2]])
     assert np.array_equal(env.worlds.steps, [1, 0, 1, 0])
+
+
+def test_a_world_goes_on_from_another_ones_situation(env):
+    """With its links' past and its goal: the same observations come next, up to the solver's warm start."""
+    still = np.zeros(env.action_space.shape, np.float32)
+    for _ in range(5):
+        seen = env.step(still)[0]
+    situations, ids = env.situations, np.array([0, 1])
+    went = [env.step(still)[0][2:] for _ in range(5)]
+    observations = env.restart(ids, situations.of(np.array([2, 3])))
+    assert np.allclose(observations, seen[2:], atol=1e-6)
+    assert np.array_equal(env.situations.steps_left[ids], situations.steps_left[2:])
+    for expected in went:
+        assert np.allclose(env.step(still)[0][:2], expected, atol=1e-3)
+    assert not np.allclose(env.situations.target[:2], env.situations.target[2:] + 0.1)
 
 
 def test_gaits_of_a_long_motion_are_cycles_at_the_wanted_speeds():
