@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 class Situations(NamedTuple):
-    """N worlds at one time, with all that what comes next depends on, but for pushes.
+    """N worlds at one time, with all that what comes next depends on, but for pushes and goals to come.
 
     Attributes:
         qpos, qvel: (N, nq) and (N, nv) generalised coordinates, as MuJoCo has them.

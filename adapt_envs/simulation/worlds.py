@@ -50,7 +50,7 @@ class Worlds:
         pushes: the worlds' pushes, or None.
         rng: source of all randomness but the terrain's; replace it to seed.
         steps: (N,) control steps since the worlds' last reset.
-        starts: (N,) number of the start state that this reset took.
+        starts: (N,) number of the start state that this reset took, -1 where none did.
         clearance: (N,) how much room obstacles left in the last step, in [0, 1]; see `clearance_reward`.
     """
 
@@ -148,6 +148,7 @@ class Worlds:
     def resume(self, ids: NDArray[np.integer], situations: Situations) -> Observations:
         """Let the worlds (n,) go on from n situations of this task; returns observations of these n worlds."""
         self._place(ids, situations.qpos, situations.qvel, situations.history)
+        self.starts[ids] = -1
         self.goals.put(ids, situations.target, situations.speed, situations.distance, situations.steps_left)
         return self._begun(ids)
 

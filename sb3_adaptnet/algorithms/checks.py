@@ -1,5 +1,7 @@
 """What numbers and choices of SVG must be."""
 
+from numbers import Integral
+
 from sb3_adaptnet.objectives.schedule import Schedule, highest
 
 
@@ -30,7 +32,8 @@ def check_batch(batch_size: int | None, worlds: int | None) -> int | None:
     Raises:
         ValueError: for one below 1, or above the number of worlds where that is known.
     """
-    if batch_size is not None and not (isinstance(batch_size, int) and 0 < batch_size <= (worlds or batch_size)):
+    number = isinstance(batch_size, Integral) and not isinstance(batch_size, bool)
+    if batch_size is not None and not (number and 0 < batch_size <= (worlds or batch_size)):
         most = "the number of worlds" if worlds is None else f"{worlds}, the number of worlds"
         raise ValueError(f"batch_size is {batch_size!r}, expected 1 to {most}, or None for all")
     return batch_size

@@ -129,14 +129,13 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         if not isinstance(policy, ObjectivePolicy):
             raise ValueError(f"SVG needs one of this package's policies, such as AdaptNetPolicy, not {policy}")
         self.policy = policy.to(self.device)
-        if "world_model" not in vars(self):
-            character, sizes = self._model_description
-            self.world_model = WorldModel(character, Sizes(*sizes))
-        self.world_model.to(self.device)
-        rate = self.model_refresh.learning_rate
-        self.world_optimizer = torch.optim.Adam(self.world_model.parameters(), lr=rate)
+        self._learn_by(vars(self).get("world_model") or WorldModel(*self._model_description))
         self.critic = CostCritic(self.world_model).to(self.device).requires_grad_(False)
         self.critic_optimizer = torch.optim.Adam(self.critic.parameters(), lr=LEARNING_RATE)
+
+    def _learn_by(self, model: WorldModel) -> None:
+        self.world_model, rate = model.to(self.device), self.model_refresh.learning_rate
+        self.world_optimizer = torch.optim.Adam(self.world_model.parameters(), lr=rate)
 
     def model_fit_is_due(self) -> bool:
         """Whether a new world model has to be fitted now."""
@@ -188,10 +187,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.lr_schedule = FloatSchedule(self._learning_rate_now())
 
     def _learning_rate_now(self) -> float:
-        return self._now(cast(Schedule, self.learning_rate))
-
-    def _now(self, schedule: Schedule) -> float:
-        return value_at(schedule, self.num_timesteps)
+        return value_at(cast(Schedule, self.learning_rate), self.num_timesteps)
 
     def predict(self, *args: Any, **kwargs: Any) -> tuple[NDArray[Any], tuple[NDArray[Any], ...] | None]:
         """Act by the average weights; as in Stable-Baselines3."""
@@ -232,6 +228,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         read = state["critic"]["layers.0.weight"].shape[1]
         if read != (now := self.critic.layers[0].in_features):  # older ones' did not read the strength
             raise ValueError(f"the checkpoint's critic reads {read} numbers, now there are {now}: begin the run anew")
+        self._learn_by(WorldModel(self.world_model.character, Sizes.of(state["model"])))  # older ones are wider
         self.world_model.load_state_dict(state["model"])
         restore_moments(self.world_optimizer, state["optimizer"])
         self.weight_average.load_state_dict(state["latest"])

@@ -36,6 +36,10 @@ class Retries:
         """Remember what all worlds are in the middle of, before each of their steps."""
         self._past.append(now)
 
+    def forget(self) -> None:
+        """What was watched is over; what waits goes on waiting."""
+        self._past.clear()
+
     def note(self, failed: NDArray[np.integer], ages: NDArray[np.integer]) -> None:
         """Take up what came before the episodes of the worlds `failed` (n,) did, after `ages` (n,) control steps each.
 
@@ -62,7 +66,9 @@ class Retries:
         chosen = np.sort(self._rng.choice(worlds, number, replace=False)) if number else worlds[:0]
         if not number:
             return chosen, None
-        mixed = [self._waiting[place] for place in self._rng.permutation(len(self._waiting))]
-        self._waiting = deque(mixed[number:], maxlen=KEPT)
-        self._tries[chosen] = [tries for _, tries in mixed[:number]]
-        return chosen, Situations.together([situation for situation, _ in mixed[:number]])
+        places = self._rng.permutation(len(self._waiting))[:number]
+        drawn = [self._waiting[place] for place in places]
+        for place in sorted(places, reverse=True):
+            del self._waiting[place]
+        self._tries[chosen] = [tries for _, tries in drawn]
+        return chosen, Situations.together([situation for situation, _ in drawn])

@@ -143,7 +143,7 @@ class SVG(ModelBasedAlgorithm):
     ) -> Self:
         """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
-        env = self._worlds_of_env()
+        env, self.batch_size = self._worlds_of_env(), check_batch(self.batch_size, self.n_envs)
         self.motion = TrackedMotion.of(self.world_model.character, self.device, env.references(self.guiding.gaits))
         callbacks.on_training_start(locals(), globals())
         if not (self._begun or self._n_updates):

@@ -148,6 +148,8 @@ class TrackedWorlds:
         """Advance all worlds and their guides by one control step; worlds that ended have begun again."""
         if self._retry_share > 0:
             self.retries.watch(self.env.simulation.situations)
+        else:
+            self.retries.forget()
         observations, rewards, dones, infos = self.env.step(actions)
         assert isinstance(observations, np.ndarray)
         self._ages += 1

@@ -6,7 +6,6 @@ from typing import Any
 
 from adapt_envs.progress import Progress
 from sb3_adaptnet.algorithms.model_based import NEW
-from sb3_adaptnet.algorithms.svg_settings import ModelFits, grouped
 from sb3_adaptnet.runs.run_folder import RunFolder
 from sb3_adaptnet.runs.world_fit import FitPlan, record_transitions
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
@@ -37,9 +36,9 @@ def export_world(folder: RunFolder, state: Mapping[str, Any], base: Path, progre
     """
     plan = FitPlan(folder.settings.env_id, (str(base),), WORLDS, STEPS, seed=folder.settings.seed + 1)
     data, character = record_transitions(plan, progress)
-    width = grouped(ModelFits, folder.experiment.arguments.get("model_fits")).width
-    model = WorldModel(character, Sizes(width=width))
-    model.load_state_dict(state["world"]["model"])
+    weights = state["world"]["model"]
+    model = WorldModel(character, Sizes.of(weights))
+    model.load_state_dict(weights)
     errors = error_table(model, data, plan.seed)
     name = base.name.removesuffix(WEIGHT_SUFFIX)
     training = {"policies": [name], "samples": int(state["samples"]), "seed": folder.settings.seed}

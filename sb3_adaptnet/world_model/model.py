@@ -1,6 +1,7 @@
 """The world model: kinematics that are exact, dynamics that are learned, one control step at a time."""
 
 import copy
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import torch
@@ -22,6 +23,12 @@ class Sizes(NamedTuple):
 
     width: int = 512
     depth: int = 3
+
+    @classmethod
+    def of(cls, weights: Mapping[str, torch.Tensor]) -> "Sizes":
+        """The sizes of a model whose `state_dict` this is."""
+        depth = sum(name.startswith("dynamics.layers.") and name.endswith(".weight") for name in weights)
+        return cls(weights["dynamics.last.weight"].shape[1], depth)
 
 
 class WorldModel(nn.Module):

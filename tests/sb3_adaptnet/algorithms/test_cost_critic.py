@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torch
+from world_cases import CHARACTER
 
 from sb3_adaptnet.algorithms.cost_critic import CriticTraining, critic_inputs
 from sb3_adaptnet.algorithms.imagination import imagine
@@ -10,6 +11,7 @@ from sb3_adaptnet.algorithms.svg import SVG
 from sb3_adaptnet.algorithms.svg_loss import state_costs, window_loss
 from sb3_adaptnet.algorithms.svg_settings import CostToGo
 from sb3_adaptnet.runs.saver import restore, snapshot
+from sb3_adaptnet.world_model.model import Sizes, WorldModel
 
 SHORT = {"updates": (6, 2)}
 
@@ -143,6 +145,17 @@ def test_a_checkpoint_whose_critic_reads_other_numbers_is_refused_whole(svg, mak
     with pytest.raises(ValueError, match=f"critic reads {read} numbers, now there are {now}: begin the run anew"):
         again.set_world_state(state)
     assert all(torch.equal(value, before[name]) for name, value in again.world_model.state_dict().items())
+
+
+def test_a_checkpoint_of_a_wider_model_goes_on_with_it(svg, make_svg):
+    """As those that were made before new models became half as wide."""
+    svg.world_model = WorldModel(CHARACTER, Sizes(24, 3))
+    svg.world_optimizer = torch.optim.Adam(svg.world_model.parameters())
+    again = make_svg()
+    again.set_world_state(svg.world_state())
+    assert again.world_model.sizes == (24, 3)
+    assert torch.equal(again.world_model.dynamics.last.weight, svg.world_model.dynamics.last.weight)
+    again.learn(48)
 
 
 def test_saving_and_checkpoints_keep_it(svg, make_svg, tmp_path):

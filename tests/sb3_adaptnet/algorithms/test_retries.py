@@ -40,7 +40,16 @@ def test_nothing_is_drawn_where_nothing_waits_or_no_share_is_wanted(retries):
         assert len(worlds) == 0
         assert again is None
         retries.note(np.array([2]), np.array([80]))
-    assert len(Retries(WORLDS, np.random.default_rng(0))) == 0
+    assert len(retries) == 2
+
+
+def test_what_was_not_watched_is_not_taken_up(retries):
+    retries.forget()
+    retries.note(np.array([2]), np.array([80]))
+    assert len(retries) == 0
+    retries.watch(situations(200))
+    retries.note(np.array([2]), np.array([80]))
+    assert retries.draw(np.array([0]), 1.0)[1].speed.tolist() == [200]
 
 
 def test_what_fails_again_and_again_is_given_up(retries):
@@ -65,7 +74,20 @@ def test_another_failure_and_another_episode_count_anew(retries):
     assert len(retries) == 1
 
 
-def test_the_latest_wait_and_as_many_are_drawn_as_wanted(retries):
+def test_the_latest_wait_also_after_some_were_drawn():
+    retries = Retries(WORLDS, np.random.default_rng(0))
+    for time in range(KEPT + 20):
+        retries.watch(situations(time))
+        retries.note(np.array([0]), np.array([1]))
+        if time == KEPT - 1:
+            drawn = retries.draw(np.arange(WORLDS), 1.0)[1].speed.tolist()
+    waiting = [retries.draw(np.array([1]), 1.0)[1].speed[0] for _ in range(KEPT)]
+    left = [time for time in range(KEPT + 20) if time not in drawn]
+    assert sorted(waiting) == left[-KEPT:]
+    assert len(retries) == 0
+
+
+def test_as_many_are_drawn_as_wanted(retries):
     for _ in range(KEPT + 5):
         retries.note(np.array([0]), np.array([50]))
     assert len(retries) == KEPT
