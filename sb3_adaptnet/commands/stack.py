@@ -1,7 +1,6 @@
 """`adaptnet stack`: pairs of adaptations in the world of both, each alone and both at once."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +55,7 @@ def run(options: argparse.Namespace) -> int:
         torch.set_num_threads(options.threads)
     pairs, bar = pairs_of(options.adaptations), ProgressBar("walking")
     asked = (options.seconds, options.seed, options.threads, bar, options.base_speeds, options.find_weights)
-    print(f"{len(pairs)} pairs, four cells of {options.seconds:g} s each", file=sys.stderr)
-    for cells in measure_pairs(ProgressBar("pairs")(pairs), *asked):
+    for cells in measure_pairs(ProgressBar(f"{len(pairs)} pairs")(pairs), *asked):
         whole = renewed(whole, [cells])
         if table is not None:
             write_csv(whole, table)
