@@ -55,17 +55,15 @@ class Retries:
         """The worlds (n,) have begun anew, and not from here."""
         self._tries[worlds] = 0
 
-    def draw(
-        self, worlds: NDArray[np.integer], share: float
-    ) -> tuple[NDArray[np.integer], Situations] | tuple[NDArray[np.integer], None]:
+    def draw(self, worlds: NDArray[np.integer], share: float) -> tuple[NDArray[np.integer], Situations | None]:
         """Which of the worlds (n,) shall try again, each with the probability `share`, and from where.
 
         There are no more of them than situations wait; they are ascending. None goes with none of them.
         """
         number = min(int(self._rng.binomial(len(worlds), share)), len(self._waiting))
-        chosen = np.sort(self._rng.choice(worlds, number, replace=False)) if number else worlds[:0]
         if not number:
-            return chosen, None
+            return worlds[:0], None
+        chosen = np.sort(self._rng.choice(worlds, number, replace=False))
         places = self._rng.permutation(len(self._waiting))[:number]
         drawn = [self._waiting[place] for place in places]
         for place in sorted(places, reverse=True):

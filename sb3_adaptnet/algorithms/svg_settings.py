@@ -107,9 +107,10 @@ class ModelRefresh:
         Raises:
             ValueError: for a rate, updates, transitions or rollouts that are not positive.
         """
-        check_positive(updates=self.updates, batch=self.batch, rollouts=self.rollouts)
+        for name in ("updates", "batch", "rollouts"):
+            check_positive(**{f"model_refresh.{name}": getattr(self, name)})
         if not self.learning_rate > 0:
-            raise ValueError(f"the learning rate of model_refresh is {self.learning_rate!r}, expected one above 0")
+            raise ValueError(f"model_refresh.learning_rate is {self.learning_rate!r}, expected one above 0")
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ class Dynamics(nn.Module):
     output_mean: torch.Tensor
     output_std: torch.Tensor
 
-    def __init__(self, inputs: int, outputs: int, width: int = 512, depth: int = 3) -> None:
+    def __init__(self, inputs: int, outputs: int, width: int, depth: int) -> None:
         super().__init__()
         self.register_buffer("input_mean", torch.zeros(inputs))
         self.register_buffer("input_scale", torch.ones(inputs))

@@ -49,6 +49,7 @@ def test_a_world_goes_on_from_another_ones_situation(env):
     went = [env.step(still)[0][2:] for _ in range(5)]
     observations = env.restart(ids, situations.of(np.array([2, 3])))
     assert np.allclose(observations, seen[2:], atol=1e-6)
+    assert np.array_equal(env.worlds.starts[ids], [-1, -1])
     for name in ("target", "speed", "distance", "steps_left"):
         assert np.array_equal(getattr(env.situations, name)[ids], getattr(situations, name)[2:])
     for expected in went:

@@ -58,7 +58,7 @@ def test_of_updates_and_rollouts_there_must_be_one():
     with pytest.raises(ValueError, match="recent_rollouts is 0"):
         check_positive(gradient_steps=1, recent_rollouts=0)
     for name in ("updates", "batch", "rollouts"):
-        with pytest.raises(ValueError, match=f"{name} is 0, expected at least 1"):
+        with pytest.raises(ValueError, match=f"model_refresh.{name} is 0, expected at least 1"):
             ModelRefresh(**{name: 0})
-    with pytest.raises(ValueError, match="learning rate of model_refresh is 0, expected one above 0"):
+    with pytest.raises(ValueError, match="model_refresh.learning_rate is 0, expected one above 0"):
         ModelRefresh(learning_rate=0)
