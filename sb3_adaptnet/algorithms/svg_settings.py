@@ -32,8 +32,8 @@ class Episodes:
             to 1, so that half a style steers, too. The error ends no such episode, and the style's loss counts by the
             strength squared. Styles far from the base pay for much of it at full strength.
         retry_share: share of the episodes that follow on one of a loose world that ended by its length or error, which
-            begin 1.5 s before one failed, as long as there are such situations. Each comes again until it succeeds,
-            five times at most, with the goal of then; when that is over, others are drawn.
+            begin 1 to 3 s before one failed, as long as there are such situations. Each comes again until it succeeds
+            three times in a row, nine times at most, with the goal of then; when that is over, others are drawn.
         steps: fewest and most control steps of an episode.
         loose_steps: the same of a loose world.
     """

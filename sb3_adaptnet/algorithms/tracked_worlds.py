@@ -116,7 +116,8 @@ class TrackedWorlds:
     def _follow(self, ids: NDArray[np.integer], seen: NDArray[np.float32]) -> None:
         self.guide.restart(ids, seen, self._root_headings())
         lengths = np.where(self.loose[ids, None], self._episodes.loose_steps, self._episodes.steps)
-        self._ages[ids], self._limits[ids] = 0, self.rng.integers(lengths[:, 0], lengths[:, 1] + 1)
+        usual, again = self.rng.integers(lengths[:, 0], lengths[:, 1] + 1), self.retries.lengths(ids)
+        self._ages[ids], self._limits[ids] = 0, np.where(again > 0, again, usual)
 
     def _root_headings(self) -> NDArray[np.floating]:
         return root_headings(self.env.simulation.physics_states.qpos)
@@ -163,12 +164,12 @@ class TrackedWorlds:
         stopped = np.flatnonzero(~dones & ((self._ages >= self._limits) | failed))
         for world in np.flatnonzero(dones):
             failed[world] = infos[world].get("end") in FAILURES
-        loose = np.flatnonzero(failed & self.loose)
-        self.retries.note(loose, self._ages[loose])
-        self.retries.begin(np.flatnonzero(dones))
-        self._restart(stopped, observations)
         ended = dones.copy()
         ended[stopped] = True
+        loose = failed & self.loose
+        self.retries.failed(np.flatnonzero(loose), self._ages[loose])
+        self.retries.succeeded(np.flatnonzero(ended & ~loose))
+        self._restart(stopped, observations)
         self.lengths.extend(self._ages[ended].tolist())
         self._follow(np.flatnonzero(ended), self.guide.motion.seen_in(observations))
         return TrackedStep(observations, rewards, dones, infos, ended, failed, guidance, errors)
@@ -177,7 +178,6 @@ class TrackedWorlds:
         """End the episodes of the worlds `stopped` and put their first observations in place."""
         again, situations = self.retries.draw(stopped[self.loose[stopped]], self._retry_share)
         others = np.setdiff1d(stopped, again)
-        self.retries.begin(others)
         for ids, chosen in ((others, None), (again, situations)):
             if len(ids):
                 fresh = self.env.restart(ids, chosen)
