@@ -11,7 +11,7 @@ from sb3_adaptnet.vec_env import Situations
 BACK = (30, 90)
 """Fewest and most control steps before a failure that a retry begins at, 1 to 3 s: at some of them it can be avoided.
 
-Limp falls 2.2 s after it has begun to turn at the wrong moment, and 1.5 s later nothing helps.
+Limp falls 2.2 s after it has begun to turn at the wrong moment: 1.5 s before the fall may be too late.
 """
 LENGTHS = (120, 180)
 """Fewest and most control steps of a retry, 4 to 6 s: what made it fail, and a little after that."""
