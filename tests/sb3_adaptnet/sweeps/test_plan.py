@@ -1,6 +1,7 @@
 """From a sweep to its runs."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,14 @@ def test_runs_are_tasks_by_overrides_by_seeds(tmp_path):
     assert [unit.settings.samples for unit in found[3:5]] == [1_600_000, 500]
     assert [unit.settings.base for unit in found[4:]] == ["run", "walk"]
     assert {unit.settings.threads for unit in found} == {4} and {unit.settings.device for unit in found} == {"cpu"}
+
+
+def test_the_documented_sweep_can_be_run(tmp_path):
+    page = (Path(__file__).parents[3] / "docs" / "sweeps.md").read_text()
+    (example,) = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    found = units(tmp_path, **yaml.safe_load(example))
+    assert [unit.name for unit in found[3:6]] == ["Stoop-bold-seed1", "kick-usual-seed0", "kick-bold-seed0"]
+    assert found[5].entry["learning_rate"] == 2.0e-4
 
 
 def test_a_run_of_a_graphics_card_learns_there(tmp_path):
