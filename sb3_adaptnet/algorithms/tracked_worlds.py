@@ -15,7 +15,7 @@ from sb3_adaptnet.objectives.schedule import value_at
 from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.world_model.integration import CONTROL_DT
 
-FAILURES = ("fall", "diverged")
+FAILURES = ("fall", "diverged", "lost")
 """Ends of the environment that are the character's fault. The other ends say nothing about its state."""
 
 
@@ -28,7 +28,7 @@ class TrackedStep(NamedTuple):
         dones: (N,) whether the environment ended an episode.
         infos: the environment's.
         ended: (N,) whether anything ended an episode.
-        failed: (N,) whether a fall or the error did.
+        failed: (N,) whether the character's fault did: a fall, the error, or that it got lost.
         guidance: what the worlds should have looked like.
         errors: (N,) how far [m] the links were from it; NaN where the environment ended the episode.
     """

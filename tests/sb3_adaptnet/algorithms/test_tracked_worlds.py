@@ -56,6 +56,16 @@ def test_a_fall_is_a_failure_and_a_limit_of_steps_is_none(make_worlds):
     assert (step.ended & ~step.failed).any()
 
 
+def test_who_gets_lost_has_failed(make_worlds):
+    worlds = make_worlds(error_limit=9.0, loose_limit=9.0)
+    now, some = worlds.env.simulation.situations, np.arange(3)
+    away = now._replace(target=now.target + 100, distance=np.ones_like(now.distance))
+    worlds.env.restart(some, away.of(some))
+    (step,) = steps(worlds, 1)
+    assert [info.get("end") for info in step.infos[:3]] == ["lost"] * 3
+    assert step.failed.tolist() == [True] * 3 + [False] * (WORLDS - 3)
+
+
 def test_the_tight_limit_waits_until_a_world_is_calm(make_worlds):
     worlds = make_worlds(error_limit=0.1, loose_limit=0.4, calm_seconds=1.5, loose_share=0)
     worlds.guide.calm_steps[:] = np.arange(WORLDS) + 30
