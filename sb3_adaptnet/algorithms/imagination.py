@@ -66,11 +66,9 @@ def imagine(
     mean_action: MeanAction,
     model: WorldModel,
     rollout: RealRollout,
-    start: int,
-    steps: int,
     tame: Callable[[torch.Tensor], torch.Tensor] = lambda part: part,
 ) -> Iterator[Imagined]:
-    """Act again through a window of a real rollout, with the real noise, and with each real step's residual added.
+    """Act again through a real rollout, or a window of one, with the real noise and each real step's residual added.
 
     While the policy is the one that acted, the imagined states are the real ones.
 
@@ -78,43 +76,39 @@ def imagine(
         mean_action: the policy.
         model: a frozen world model.
         rollout: the rollout.
-        start: first step of the window.
-        steps: its length.
         tame: attached to each part of the states, for their gradients.
 
     Yields:
         Each step.
     """
     device = model.middles.device
-    alive = rollout.alive(start, steps)
+    alive = rollout.alive
     last = alive & ~np.concatenate([alive[1:], np.zeros_like(alive[:1])])
-    residuals = _residuals(model, rollout, start, steps) * moving(alive, device).unsqueeze(-1)
+    residuals = _residuals(model, rollout) * moving(alive, device).unsqueeze(-1)
     data = rollout.transitions
-    state = State.from_mujoco(moving(data.qpos[start], device), moving(data.qvel[start], device))
-    frames = [from_observed(moving(frame, device)) for frame in rollout.frames[start].swapaxes(0, 1)]
+    state = State.from_mujoco(moving(data.qpos[0], device), moving(data.qvel[0], device))
+    frames = [from_observed(moving(frame, device)) for frame in rollout.frames[0].swapaxes(0, 1)]
     view = model.view(torch.cat(frames, dim=1))
-    for step in range(steps):
-        at = start + step
-        target, speed = moving(rollout.targets[at], device), moving(rollout.speeds[at], device)
+    for step in range(len(rollout)):
+        target, speed = moving(rollout.targets[step], device), moving(rollout.speeds[step], device)
         goal = goal_features(view, state.position, target, speed)
         mean = mean_action(torch.cat((to_observed(view.links), goal), dim=1))
-        actions = (mean + moving(rollout.noise[at], device)).clamp(-1, 1)
+        actions = (mean + moving(rollout.noise[step], device)).clamp(-1, 1)
         state = model.step(state, view, actions, residuals[step]).map(tame)
         frames = [*frames[1 - OBSERVED_FRAMES :], model.kinematics(state)]
         view = model.view(torch.cat(frames, dim=1))
-        yield Imagined(state, view, mean, rollout.guided(at, alive[step], last[step], device))
+        yield Imagined(state, view, mean, rollout.guided(step, alive[step], last[step], device))
 
 
-def _residuals(model: WorldModel, rollout: RealRollout, start: int, steps: int) -> torch.Tensor:
-    """(steps, N, O) what each real step changed beyond what the model expects; without meaning where one ended."""
+def _residuals(model: WorldModel, rollout: RealRollout) -> torch.Tensor:
+    """(T, N, O) what each real step changed beyond what the model expects; without meaning where one ended."""
     data, device = rollout.transitions, model.middles.device
-    worlds = data.num_worlds
+    steps, worlds = data.ended.shape
     before, after = (
         State.from_mujoco(
-            moving(data.qpos[first : first + steps].reshape(steps * worlds, -1), device),
-            moving(data.qvel[first : first + steps].reshape(steps * worlds, -1), device),
+            moving(qpos.reshape(steps * worlds, -1), device), moving(qvel.reshape(steps * worlds, -1), device)
         )
-        for first in (start, start + 1)
+        for qpos, qvel in ((data.qpos[:-1], data.qvel[:-1]), (data.qpos[1:], data.qvel[1:]))
     )
-    actions = moving(data.actions[start : start + steps].reshape(steps * worlds, -1), device)
+    actions = moving(data.actions.reshape(steps * worlds, -1), device)
     return model.residual(before, after, actions).view(steps, worlds, -1)

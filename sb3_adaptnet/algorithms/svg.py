@@ -229,9 +229,9 @@ class SVG(ModelBasedAlgorithm):
         self, model: WorldModel, rollout: RealRollout, weights: groups.LossWeights, to_come: CostToCome | None
     ) -> dict[str, float]:
         """One update of the policy along a window of a rollout; returns what to log."""
-        start = int(self.rng.integers(len(rollout) - self.window + 1))
+        part = rollout.window(rollout.drawn_starts(self.window, self.rng), self.window)
         with acting_at(self.policy, rollout.strengths), self.policy.actor.one_update(self.window):
-            steps = imagine(self._mean_action, model, rollout, start, self.window, self.taming)
+            steps = imagine(self._mean_action, model, part, self.taming)
             loss, parts = window_loss(steps, self.motion, weights, to_come)
             self.policy.optimizer.zero_grad()
             loss.backward()

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from sb3_adaptnet.algorithms.tracking.guide import Guidance
 from sb3_adaptnet.world_model.transitions import Transitions
 
+_ON_TO_THE_NEXT = 0.5
+"""Share of the windows across an episode's end that begin with the next episode instead."""
+
 
 @dataclass(frozen=True, eq=False)
 class Moment:
@@ -108,9 +111,40 @@ class RealRollout:
             mirrored=self.mirrored[worlds],
         )
 
-    def alive(self, start: int, steps: int) -> NDArray[np.bool_]:
-        """(steps, N) whether the episode that a world is in at `start` goes on through each step from there on."""
-        return ~np.logical_or.accumulate(self.transitions.ended[start : start + steps], axis=0)
+    def window(self, starts: NDArray[np.integer] | int, steps: int) -> "RealRollout":
+        """`steps` steps of each world from its own start, (N,), on."""
+        data, worlds = self.transitions, np.arange(self.transitions.num_worlds)
+        states = np.broadcast_to(starts, worlds.shape) + np.arange(steps + 1)[:, None]
+        times = states[:-1]
+        by_step = ("noise", "frames", "phases", "headings", "turn_rates", "style", "failed")
+        return RealRollout(
+            transitions=Transitions(
+                data.qpos[states, worlds], data.qvel[states, worlds], data.actions[times, worlds],
+                data.ended[times, worlds],
+            ),
+            **{name: getattr(self, name)[times, worlds] for name in by_step},
+            targets=self.targets[states, worlds],
+            speeds=self.speeds[states, worlds],
+            strengths=self.strengths,
+            mirrored=self.mirrored,
+        )  # fmt: skip
+
+    def drawn_starts(self, steps: int, rng: np.random.Generator) -> NDArray[np.integer]:
+        """(N,) first steps of windows of so many: evenly drawn, but half of those across an end begin after it.
+
+        What follows an end in a window counts nothing, and few windows begin just where an episode does.
+        """
+        worlds, last = np.arange(self.transitions.num_worlds), len(self) - steps
+        starts = rng.integers(last + 1, size=len(worlds))
+        ended = self.transitions.ended[starts + np.arange(steps)[:, None], worlds]
+        after = starts + 1 + ended.argmax(0)
+        on = ended.any(0) & (after <= last) & (rng.random(len(worlds)) < _ON_TO_THE_NEXT)
+        return np.where(on, after, starts)
+
+    @property
+    def alive(self) -> NDArray[np.bool_]:
+        """(T, N) whether the episode that a world is in at first goes on through each step."""
+        return ~np.logical_or.accumulate(self.transitions.ended, axis=0)
 
     def guided(self, step: int, alive: NDArray[np.bool_], last: NDArray[np.bool_], device: torch.device) -> Guided:
         """What the worlds should look like after a step; `alive` and `last` (N,) become `weights` and `last`."""

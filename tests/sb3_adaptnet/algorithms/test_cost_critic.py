@@ -22,7 +22,7 @@ def svg(make_svg):
 
 
 def window(svg, steps=4):
-    return imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0], 1, steps)
+    return imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0].window(1, steps))
 
 
 def test_it_reads_real_and_imagined_states_alike(svg):

@@ -21,8 +21,8 @@ def svg(make_svg):
 def test_an_unchanged_policy_imagines_the_real_rollout(svg):
     svg.collect_rollout(quiet())
     rollout = svg._rollouts.latest(1)[0]
-    steps = list(imagine(svg._mean_action, svg.world_model.frozen(), rollout, 2, 6))
-    data, alive = rollout.transitions, rollout.alive(2, 6)
+    steps = list(imagine(svg._mean_action, svg.world_model.frozen(), rollout.window(2, 6)))
+    data, alive = rollout.transitions, rollout.window(2, 6).alive
     assert alive[0].any()
     assert not alive.all()
     for number, step in enumerate(steps, start=1):
@@ -43,12 +43,12 @@ def test_the_first_step_sees_what_the_policy_saw(svg):
         seen.append(observation)
         return svg._mean_action(observation)
 
-    next(imagine(mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0], 0, 1))
+    next(imagine(mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0]))
     assert torch.allclose(seen[0], torch.as_tensor(observations), atol=1e-4)
 
 
 def test_gradients_reach_the_policy_from_the_last_step(svg):
-    steps = list(imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0], 0, 4))
+    steps = list(imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0].window(0, 4)))
     weights = [p for p in svg.policy.actor.parameters() if p.requires_grad]
     grads = torch.autograd.grad(steps[-1].state.angles.square().mean(), weights, allow_unused=True)
     assert any(grad is not None and bool(grad.abs().max() > 0) for grad in grads)

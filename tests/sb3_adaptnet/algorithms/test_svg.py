@@ -126,7 +126,7 @@ def test_the_task_costs_slow_characters_less(make_svg, speed, share):
     svg = make_svg(loss_weights={"goal": 2.0})
     svg.learn(48, log_interval=None)
     with torch.no_grad():
-        step = next(iter(imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0], 0, 1)))
+        step = next(iter(imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0])))
     asked = torch.full_like(step.guided.speeds, speed)
     cost = state_costs(step.state, step.view, svg.motion, step.guided._replace(speeds=asked), svg.loss_weights.at(0))[
         "goal"

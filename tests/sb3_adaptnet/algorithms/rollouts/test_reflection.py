@@ -72,7 +72,7 @@ def test_who_does_in_the_mirror_the_mirror_image_is_symmetric(svg, reflection):
     assert np.array_equal(image.mirrored, HALF)
     done = torch.as_tensor(image.transitions.actions[2] - image.noise[2])
     for change, wanted in ((0.0, 0.0), (0.1, done.shape[1] * 0.01)):
-        (step,) = imagine(lambda _, change=change: done + change, svg.world_model.frozen(), image, 2, 1)
+        (step,) = imagine(lambda _, change=change: done + change, svg.world_model.frozen(), image.window(2, 1))
         assert np.allclose(asymmetry(step), wanted * HALF, atol=1e-6)
 
 
@@ -92,9 +92,9 @@ def test_it_can_be_learned(make_svg):
 def test_what_happened_in_the_mirror_can_be_imagined(svg, reflection):
     """With the residuals of each step the imagined states are the real ones, if the policy does what was done."""
     image = reflection.of_rollout(svg._rollouts.latest(1)[0], HALF, 0.0)
-    data, alive = image.transitions, image.alive(1, 5)
+    data, alive = image.transitions, image.window(1, 5).alive
     done = iter(data.actions[1:6] - image.noise[1:6])
-    steps = imagine(lambda _: torch.as_tensor(next(done)), svg.world_model.frozen(), image, 1, 5)
+    steps = imagine(lambda _: torch.as_tensor(next(done)), svg.world_model.frozen(), image.window(1, 5))
     for number, step in enumerate(steps, start=2):
         real = State.from_mujoco(torch.as_tensor(data.qpos[number]), torch.as_tensor(data.qvel[number]))
         on = torch.as_tensor(alive[number - 2])
