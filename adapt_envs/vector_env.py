@@ -56,10 +56,10 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
         if not (value is None or _is_number(value, Real)):
             raise ValueError(f"reset option {name} is {value!r}, expected a number")
     if heading is not None or speed is not None or "goal_heading" in options:
-        worlds.hold_goal(heading, speed, ids)
-        worlds.goals.held_by_reset = heading is not None
-    elif worlds.goals.held_by_reset:
-        worlds.goals.hold(ids, None, None)  # the reset samples others
+        worlds.goals.restore(ids)
+        worlds.hold_goal(heading, speed, ids, until_reset=heading is not None)
+    else:
+        worlds.goals.restore(ids)
     return None if start is None else int(start)
 
 

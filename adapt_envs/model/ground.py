@@ -13,6 +13,8 @@ PATCHES_PER_SIDE, PATCHES_WITH_OBSTACLES = 4, 2
 """Patches in a row of the atlas; fewer with obstacles, each of which costs the physics."""
 _TRIES = 24
 """How often a place for a goal or spawn is sampled before the nearest known good one is taken."""
+_TRIES_AHEAD = 12
+"""The first tries keep to where goals may lie; near a border nothing there may do."""
 TARGET_MARGIN, SPAWN_MARGIN = 0.4, 0.6
 """Goals and spawns keep this distance [m] from obstacles."""
 _RUNWAY = np.array([0.0, 0.6, 1.2, 1.8])
@@ -97,21 +99,27 @@ class Ground:
         """Distances (...) [m] of points (..., 2) from the nearest obstacle's sides, infinite without obstacles."""
         return np.full(xy.shape[:-1], np.inf, np.float32) if self.obstacles is None else self.obstacles.distance(xy)
 
-    def kept_targets(self, targets: Array, root_xy: Array, rng: np.random.Generator) -> NDArray[np.float32]:
+    def kept_targets(
+        self, targets: Array, root_xy: Array, rng: np.random.Generator, root_heading: Array, spread: Array
+    ) -> NDArray[np.float32]:
         """Targets (n, 2) that lie 3 m inside the root's patch and in no obstacle.
 
-        Bad ones are sampled again at the same distance in another direction; where none is found, the nearest good
-        place is taken. On endless ground they stay as they are.
+        Bad ones are sampled again at the same distance in another direction, at first within `spread` (n,), a share of
+        the circle centred straight ahead of `root_heading` (n,) [rad]; where none is found, the nearest good place is
+        taken. On endless ground they stay as they are.
         """
         if self.patches is None:
             return targets.astype(np.float32)
         targets = targets.astype(np.float64)
         distance = np.hypot(*(targets - root_xy).T)
-        for _ in range(_TRIES):
+        for number in range(_TRIES):
             bad = np.flatnonzero(~self._good_target(targets, root_xy))
             if not len(bad):
                 return targets.astype(np.float32)
             angle = rng.uniform(0, 2 * np.pi, len(bad))
+            if number < _TRIES_AHEAD:
+                ahead = root_heading[bad] + spread[bad] * (angle - np.pi)
+                angle = np.where(spread[bad] < 1, ahead, angle)
             targets[bad] = root_xy[bad] + distance[bad, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         bad = np.flatnonzero(~self._good_target(targets, root_xy))
         targets[bad] = self._nearest_good(targets[bad], root_xy[bad])
@@ -168,5 +176,5 @@ def make_ground(terrain: Terrain | None, obstacles: ObstacleField | None, seed: 
     surface = None if terrain is None else atlas(terrain, patches, heights_rng, scale)
     blocks = None if obstacles is None else Obstacles(obstacles, patches, blocks_rng)
     if surface is not None and blocks is not None:
-        blocks.stand_on(surface.height_at(*blocks.centre.T.astype(np.float32)))
+        blocks.stand_on(surface.height_at(*blocks.centre.T.astype(np.float32)), float(surface.heights.min()))
     return Ground(surface, blocks, patches)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from adapt_envs.model.patch_grid import PATCH, Patches
 
 _BOTTOM = -1.0
-"""The blocks reach down to here [m], below any ground."""
+"""The blocks reach down to here [m], and at least so far below the lowest ground."""
 _RASTER = 0.1
 """Side [m] of the cells of the raster that finds blocks."""
 _COLOUR = (0.72, 0.45, 0.30, 1.0)
@@ -70,6 +70,7 @@ class Obstacles:
         half: (B, 2) half lengths along their own axes [m].
         yaw: (B,) how far they are turned [rad].
         top: (B,) heights of their tops [m], world.
+        bottom: height that all reach down to [m], world.
     """
 
     def __init__(self, layout: ObstacleField, patches: Patches, rng: np.random.Generator) -> None:
@@ -84,7 +85,7 @@ class Obstacles:
         there = rng.uniform(size=len(centre)) < layout.density
         self.centre, self.half = centre[there], half[there]
         self.yaw = rng.uniform(0, np.pi, len(self.centre))
-        self.top = rng.uniform(*layout.height, len(self.centre))
+        self.top, self.bottom = rng.uniform(*layout.height, len(self.centre)), _BOTTOM
         self._origin = -patches.half
         self._raster = self._covered(round(2 * patches.half / _RASTER))
 
@@ -104,9 +105,9 @@ class Obstacles:
         columns = (self.centre, self.half, np.cos(self.yaw), np.sin(self.yaw), self.top)
         return np.column_stack(columns).astype(np.float32)
 
-    def stand_on(self, ground: NDArray[np.floating]) -> None:
-        """Lift the blocks by the heights (B,) [m] of the ground at their middles."""
-        self.top = self.top + ground
+    def stand_on(self, ground: NDArray[np.floating], lowest: float) -> None:
+        """Lift the blocks by the heights (B,) [m] of the ground at their middles; its `lowest` [m] is anywhere."""
+        self.top, self.bottom = self.top + ground, min(_BOTTOM, lowest + _BOTTOM)
         self.__dict__.pop("_table", None)
 
     def raise_heights(self, heights: NDArray[np.float32], x: NDArray[np.float32], y: NDArray[np.float32]) -> None:
@@ -136,7 +137,7 @@ class Obstacles:
         for i, (centre, half, yaw, top) in enumerate(zip(self.centre, self.half, self.yaw, self.top, strict=True)):
             spec.worldbody.add_geom(
                 name=f"obstacle_{i}", type=mujoco.mjtGeom.mjGEOM_BOX, material="obstacle",
-                pos=(*centre, (top + _BOTTOM) / 2), size=(*half, (top - _BOTTOM) / 2),
+                pos=(*centre, (top + self.bottom) / 2), size=(*half, (top - self.bottom) / 2),
                 quat=(np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)), friction=(friction, 0.005, 0.0001),
             )  # fmt: skip
 

@@ -100,7 +100,9 @@ class Worlds:
 
     @property
     def footing(self) -> NDArray[np.float64]:
-        """(N,) how little the feet slid in the last step, in (0, 1]; see `footing_reward`."""
+        """(N,) how little the feet slid in the last step, in (0, 1]; see `footing_reward`. Even ground alone has it."""
+        if self.ground.surface is not None:
+            raise ValueError("footing is how little feet slide on even ground, and this ground is not even")
         return footing_reward(self._features[..., :POSE], sole_corners(self.model))
 
     @property
@@ -139,9 +141,8 @@ class Worlds:
             First observations of these n worlds.
         """
         count = self.reference.num_states
-        chosen = self.rng.integers(count, size=len(ids)) if start is None else np.full(len(ids), start)
-        self.starts[ids] = chosen
-        self._place(ids, *self._somewhere(*self.reference.states(chosen)))
+        self.starts[ids] = self.rng.integers(count, size=len(ids)) if start is None else start
+        self._place(ids, *self._somewhere(*self.reference.states(self.starts[ids])))
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)
         return self._begun(ids)
 
@@ -241,10 +242,9 @@ class Worlds:
             return seen
         return {"observation": seen, "heightmap": heightmaps(self.ground, root_xy, heading)}
 
-    def hold_goal(self, heading: float | None, speed: float | None, ids: NDArray[np.integer]) -> None:
-        """Keep the target of the worlds `ids` ahead in the world direction `heading` [rad] at `speed` [m/s].
-
-        None for both returns to random goals; errors as `Goals.hold`.
-        """
-        self.goals.hold(ids, heading, speed)
+    def hold_goal(
+        self, heading: float | None, speed: float | None, ids: NDArray[np.integer], until_reset: bool = False
+    ) -> None:
+        """Keep the targets ahead in the world direction `heading` [rad] at `speed` [m/s], as `Goals.hold` has it."""
+        self.goals.hold(ids, heading, speed, until_reset)
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)

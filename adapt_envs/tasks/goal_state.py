@@ -18,8 +18,8 @@ class Goals:
         steps_left: (N,) control steps until a new target is sampled.
         distance: (N,) distance to the target when it was sampled [m].
         held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are random.
-        held_by_reset: whether they are held because a reset's options asked for it: until the next reset.
         held_speed: (N,) preferred speed [m/s] the goal is held at.
+        held_by_reset: (N,) whether it is held because a reset's options asked for it: until the next reset.
         spread: (N,) shares of the circle, centred straight ahead, that random headings come from; 1 is the paper's.
     """
 
@@ -33,8 +33,9 @@ class Goals:
         self.steps_left = np.zeros(num_worlds, np.int64)
         self.distance = np.zeros(num_worlds, np.float32)
         self.held_heading = np.full(num_worlds, np.nan)
-        self.held_by_reset = False
         self.held_speed = np.ones(num_worlds)
+        self.held_by_reset = np.zeros(num_worlds, np.bool_)
+        self._held_before = self.held_heading.copy(), self.held_speed.copy()
         self.spread = np.ones(num_worlds)
 
     def put(
@@ -49,8 +50,12 @@ class Goals:
         self.target[ids], self.speed[ids] = target, speed
         self.distance[ids], self.steps_left[ids] = distance, steps_left
 
-    def hold(self, ids: NDArray[np.integer], heading: float | None, speed: float | None) -> None:
+    def hold(
+        self, ids: NDArray[np.integer], heading: float | None, speed: float | None, until_reset: bool = False
+    ) -> None:
         """Hold the goals of the worlds `ids`, from their next sample on; None for both frees them.
+
+        With `until_reset` what held before holds again after `restore`.
 
         Raises:
             ValueError: for one without the other, a heading that is not finite, or a speed that is not positive.
@@ -59,9 +64,17 @@ class Goals:
             raise ValueError(f"a goal is held by heading and speed together, not by {heading} and {speed}")
         if heading is not None and speed is not None and not (np.isfinite(heading) and 0.0 < speed < np.inf):
             raise ValueError(f"a goal's heading must be finite and its speed positive, not {heading} rad, {speed} m/s")
-        self.held_by_reset = False
         self.held_heading[ids] = np.nan if heading is None else heading
         self.held_speed[ids] = 1.0 if speed is None else speed
+        self.held_by_reset[ids] = until_reset
+        if not until_reset:
+            for before, now in zip(self._held_before, (self.held_heading, self.held_speed), strict=True):
+                before[ids] = now[ids]
+
+    def restore(self, ids: NDArray[np.integer]) -> None:
+        """Hold again what held in the worlds `ids` before a reset's options asked for something else."""
+        self.held_heading[ids], self.held_speed[ids] = (before[ids] for before in self._held_before)
+        self.held_by_reset[ids] = False
 
     def expire(self) -> NDArray[np.bool_]:
         """Count one control step; return (N,) which goals must be sampled again. Held ones move at every step."""
@@ -99,7 +112,10 @@ class Goals:
         target, distance = targets_ahead(root_xy, heading, speed, seconds), speed * seconds
         if not self.ground.plain:
             target[held] = self.ground.inside_square(target[held])
-            target[~held] = self.ground.kept_targets(target[~held], root_xy[~held], rng)
+            free = ~held
+            target[free] = self.ground.kept_targets(
+                target[free], root_xy[free], rng, root_heading[free], self.spread[ids][free]
+            )
             distance = np.hypot(*(target - root_xy).T)
         self.target[ids], self.speed[ids], self.distance[ids] = target, speed, distance
         self.steps_left[ids] = np.round(seconds / CONTROL_DT).astype(np.int64)

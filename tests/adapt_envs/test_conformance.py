@@ -137,6 +137,20 @@ def test_a_seed_means_the_same_episodes_whatever_was_asked_for_before():
     assert np.isnan(env.worlds.goals.held_heading).all()
 
 
+def test_what_a_reset_asked_for_holds_over_what_set_goal_holds_until_the_next_one():
+    env = make_vector(env_id("Walk"), 3)
+    goals = env.worlds.goals
+    env.reset(seed=0, options={"goal_heading": 0.5, "goal_speed": 1.2})
+    env.set_goal(1.0, 1.1, np.array([0]))
+    env.reset(seed=0)
+    assert np.array_equal(goals.held_heading, [1.0, np.nan, np.nan], equal_nan=True)
+    env.reset(options={"goal_heading": 0.5, "goal_speed": 1.2})
+    assert (goals.held_heading == 0.5).all() and (goals.held_speed == 1.2).all()
+    env.reset()
+    assert np.array_equal(goals.held_heading, [1.0, np.nan, np.nan], equal_nan=True)
+    assert goals.held_speed[0] == 1.1
+
+
 def test_what_a_vector_says_of_ends_is_gymnasiums_form():
     env = DictInfoToList(make_vector(env_id("Walk"), 2, max_episode_steps=2))
     env.reset(seed=0)

@@ -49,7 +49,7 @@ FAMILIES = (
            shoulder=("{}arm",), elbow=("{}forearm",), wrist=("{}hand",)),
     Family("CMU, 100STYLE, Xsens", ("right", "left"), ("hips", "hip", "pelvis"), ("neck",), ("head",),
            hip=("{}hip", "{}upperleg"), knee=("{}knee", "{}lowerleg"), ankle=("{}ankle", "{}foot"),
-           toe=("{}toe", "{}toebase"), shoulder=("{}shoulder", "{}upperarm"), elbow=("{}elbow", "{}lowerarm"),
+           toe=("{}toe", "{}toebase"), shoulder=("{}upperarm", "{}shoulder"), elbow=("{}elbow", "{}lowerarm"),
            wrist=("{}wrist", "{}hand")),
     Family("CMU for Daz", ("r", "l"), ("hip",), ("neck",), ("head",),
            hip=("{}thigh",), knee=("{}shin",), ankle=("{}foot",), toe=("{}toe",),

@@ -60,7 +60,7 @@ def test_targets_lie_in_no_block_and_inside_their_patch():
 def test_a_target_is_found_even_where_every_draw_fails():
     """From far away no direction leads into the patch: the nearest free place is taken."""
     root = np.column_stack([np.linspace(-26, 26, 60), np.full(60, 40.0)])
-    target = GROUND.kept_targets(root, root, np.random.default_rng(0)).astype(float)
+    target = GROUND.kept_targets(root, root, np.random.default_rng(0), np.zeros(60), np.ones(60)).astype(float)
     assert (GROUND.height_at(target) == 0).all()
     assert np.abs(target).max() <= GROUND.patches.half - 1.5 - INSET + 1e-4
 
@@ -126,6 +126,16 @@ def test_blocks_stand_on_hills():
     below = ground.floor_at(ground.obstacles.centre)
     assert np.ptp(below) > 0.5
     assert (ground.obstacles.top - below).min() >= 0.9 - 1e-5
+
+
+def test_blocks_reach_into_deep_valleys():
+    ground = make_ground(TERRAINS["hills"], OBSTACLES["blocks"], 0, 4.0)
+    assert ground.surface.heights.min() < -2
+    assert ground.obstacles.bottom < ground.surface.heights.min()
+    spec = mujoco.MjSpec()
+    spec.add_material(name="ground")
+    ground.add_to(spec)
+    assert spec.compile().ngeom > len(ground.obstacles.top)
 
 
 def test_wrong_layouts_are_named():

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from adapt_envs import AdaptEnv, env_id, make_vector
+from adapt_envs.features import rotations
 from adapt_envs.features.heightmap import AHEAD, ASIDE, SIZE, heightmaps
 from adapt_envs.model.ground import Ground, make_ground
 from adapt_envs.model.patch_grid import INSET, PATCH
@@ -121,10 +122,27 @@ def test_goals_stay_three_metres_inside_their_patch(worlds):
     assert worlds.goals.distance.max() > 6
 
 
+def test_narrow_goals_lie_ahead_where_the_patch_has_room():
+    worlds = make_vector(env_id("TerrainHills"), 256, num_threads=1).worlds
+    worlds.reset(np.arange(256))
+    worlds.goals.spread[:] = 0.1
+    rng, middle = np.random.default_rng(0), np.zeros((256, 2)) + worlds.ground.patches.centres_1d[0]
+    worlds.goals.sample(np.arange(256), middle, worlds.root_heading, rng)
+    away = worlds.goals.target - middle
+    aside = np.abs(rotations.wrapped(np.arctan2(away[:, 1], away[:, 0]) - worlds.root_heading))
+    assert aside.max() <= 0.1 * np.pi + 1e-3  # from the middle every direction has room
+    edge = middle + [PATCH / 2 - INSET - 1.0, 0.0]
+    worlds.goals.sample(np.arange(256), edge, worlds.root_heading, rng)
+    away = worlds.goals.target - edge
+    aside = np.abs(rotations.wrapped(np.arctan2(away[:, 1], away[:, 0]) - worlds.root_heading))
+    along = np.abs(worlds.root_heading) > 0.7 * np.pi
+    assert aside[along].max() <= 0.1 * np.pi + 1e-3
+
+
 def test_a_goal_is_found_even_from_beyond_the_corner():
     ground, rng = make_ground(TERRAINS["hills"], None, 0), np.random.default_rng(0)
     root = np.full((50, 2), ground.patches.half + 5.0)
-    target = ground.kept_targets(root + 1.0, root, rng)
+    target = ground.kept_targets(root + 1.0, root, rng, np.zeros(50), np.ones(50))
     assert np.allclose(target, ground.patches.centres_1d[-1] + PATCH / 2 - INSET)
 
 

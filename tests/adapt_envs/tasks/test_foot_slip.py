@@ -55,3 +55,10 @@ def test_environments_keep_it_for_the_transition_before_a_restart():
     clip = footing_reward(env.sample_reference_windows(500, np.random.default_rng(0)), CORNERS)
     assert clip.mean() > 0.8  # a swinging toe passes low and fast; the standing foot does not slide
     assert clip.mean() > env.footing.mean()
+
+
+def test_uneven_ground_has_no_footing():
+    env = make_vector(env_id("TerrainHills"), 1)
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="this ground is not even"):
+        _ = env.footing

@@ -29,3 +29,12 @@ def test_a_shoulder_is_an_arm_only_where_no_other_joint_is(shoulder, upper, tmp_
     path = write(tmp_path, "x.bvh", bvh_text(names=names, frames=6))
     present = (*read_bvh(path).names, *(["LeftShoulder", "RightShoulder"] if names is LAFAN else []))
     assert recognise(path, present).joints["left_shoulder"] == upper
+
+
+def test_a_shoulder_beside_an_upper_arm_is_a_collar_bone():
+    """As in skeletons with Unity's names."""
+    sides = ("Shoulder", "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toe")
+    names = ("Hips", "Spine", "Neck", "Head", *(side + part for side in ("Left", "Right") for part in sides))
+    found = recognise(Path("x.bvh"), names).joints
+    assert (found["left_shoulder"], found["right_shoulder"]) == ("LeftUpperArm", "RightUpperArm")
+    assert (found["left_elbow"], found["left_hip"]) == ("LeftLowerArm", "LeftUpperLeg")
