@@ -27,6 +27,11 @@ def seconds_of(text: str) -> float:
     return _positive(text, "seconds")
 
 
+def minutes_of(text: str) -> float:
+    """Parse a positive number of minutes."""
+    return _positive(text, "minutes")
+
+
 def speed_of(text: str) -> float:
     """Parse a positive number of metres per second."""
     return _positive(text, "metres per second")

@@ -5,7 +5,8 @@ import shlex
 from pathlib import Path
 from typing import Any
 
-from adapt_envs.commands.numbers import positive, seconds_of
+from adapt_envs.commands.exit_codes import INTERRUPTED
+from adapt_envs.commands.numbers import minutes_of, positive, seconds_of
 from adapt_envs.commands.output import check_output
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
@@ -15,7 +16,7 @@ from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_worlds_for
-from sb3_adaptnet.commands.train import INTERRUPTED, refuse_given
+from sb3_adaptnet.commands.train import refuse_given
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import Figures, evaluate
 from sb3_adaptnet.evaluation.report import text_table
@@ -25,6 +26,7 @@ from sb3_adaptnet.runs.lock import held
 from sb3_adaptnet.runs.run_folder import MOTION, RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
+from sb3_adaptnet.weights.weight_file import check_card_place
 from sb3_adaptnet.world_model.world_file import read_world
 
 STYLE_ENV = "AdaptNet/Humanoid-Style-v0"
@@ -53,7 +55,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--n-envs", type=positive, help="worlds; default: the entry's")
     parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
     parser.add_argument("--device", help="cpu (default) or cuda")
-    parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
+    parser.add_argument("--minutes", type=minutes_of, default=3.0, help="minutes between checkpoints (default 3)")
     add_algorithm_options(parser, BEST)
     words = f"simulated seconds that the result is measured for (default {SECONDS:g})"
     parser.add_argument("--seconds", type=seconds_of, default=SECONDS, help=words)
@@ -64,6 +66,7 @@ def add_parser(subparsers: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Adapt, or go on adapting, then write the weight file, measure it and say what to do with it."""
     check_output(options.output)
+    check_card_place(options.output)
     shown = {"minutes": options.minutes, "quiet": options.quiet}
     if options.resume is not None:
         refuse_given(options, FROM_SCRATCH_ONLY)

@@ -11,7 +11,8 @@ from typing import Any
 from stable_baselines3.common.callbacks import BaseCallback
 
 from adapt_envs import env_id
-from adapt_envs.commands.numbers import positive, seconds_of
+from adapt_envs.commands.exit_codes import INTERRUPTED
+from adapt_envs.commands.numbers import minutes_of, positive, seconds_of
 from adapt_envs.drawing.film import video_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.motion.clip import MotionClip
@@ -20,7 +21,6 @@ from sb3_adaptnet.commands.algorithm import BEST, algorithm_of, best_for
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import ProgressBar, open_policy
-from sb3_adaptnet.commands.train import INTERRUPTED
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import Evaluation, Figures, evaluate
 from sb3_adaptnet.evaluation.pictures import side_by_side
@@ -53,7 +53,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--base", default="walk", metavar="NAME_OR_FILE", help="base to adapt (default walk)")
     parser.add_argument("--samples", type=positive, help="training's samples; default: the entry's")
     add_algorithm_options(parser, BEST)
-    parser.add_argument("--minutes", type=float, default=MINUTES, help=f"training's minutes (default {MINUTES:g})")
+    parser.add_argument("--minutes", type=minutes_of, default=MINUTES, help=f"training's minutes (default {MINUTES:g})")
     words = f"simulated seconds of each evaluation (default {SECONDS:g})"
     parser.add_argument("--seconds", type=seconds_of, default=SECONDS, help=words)
     words = f"seconds of the video (default {FILM_SECONDS:g})"

@@ -26,6 +26,7 @@ from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.checkpoint import BASE, read_kind, save_adaptation, save_base
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
 from sb3_adaptnet.weights.storage import BITS
+from sb3_adaptnet.weights.weight_file import check_card_place
 from sb3_adaptnet.world_model.world_file import beside_base, has_world
 
 ONNX_SUFFIX = ".onnx"
@@ -108,6 +109,7 @@ def export(run_dir: str | Path, output: str | Path, bits: int = 32) -> Path:
         ValueError: if there is no run, no checkpoint, or the output's folder does not exist.
     """
     check_output(output)
+    check_card_place(output)
     folder = RunFolder.open(run_dir)
     state = folder.load()
     entry = folder.experiment

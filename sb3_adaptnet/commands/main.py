@@ -8,6 +8,8 @@ from collections.abc import Sequence
 
 import gymnasium as gym
 
+from adapt_envs.commands.exit_codes import BAD_INPUT, INTERRUPTED, PIPE_CLOSED
+
 COMMANDS = {
     "demo": "sb3_adaptnet.commands.demo",
     "train": "sb3_adaptnet.commands.train",
@@ -28,8 +30,6 @@ COMMANDS = {
     "bench": "sb3_adaptnet.commands.bench",
 }
 """Subcommands and the modules that define them: a call reads its own alone, and starts the sooner for it."""
-BAD_INPUT, PIPE_CLOSED = 2, 141
-"""Exit codes; the latter is what shells have for it."""
 
 
 def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
@@ -65,6 +65,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # whoever read the output, such as `head`, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PIPE_CLOSED
+    except KeyboardInterrupt:
+        if options.traceback:
+            raise
+        print(f"adaptnet {options.command}: stopped", file=sys.stderr)
+        return INTERRUPTED
     except (ValueError, OSError, gym.error.Error) as error:
         if options.traceback:
             raise

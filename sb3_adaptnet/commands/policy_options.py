@@ -140,6 +140,8 @@ def styles_of(text: str) -> dict[str, float | None]:
     styles: dict[str, float | None] = {}
     for part in filter(None, text.split(",")):
         name, equals, weight = part.partition("=")
+        if name.strip() in styles:
+            raise argparse.ArgumentTypeError(f"{name.strip()!r} stands there twice")
         try:
             styles[name.strip()] = float(weight) if equals else None
         except ValueError:

@@ -1,6 +1,7 @@
 """`adaptnet stack`: pairs of adaptations in the world of both, each alone and both at once."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import torch
 from adapt_envs.commands.numbers import positive, seconds_of
 from adapt_envs.commands.output import check_output
 from sb3_adaptnet.commands.policy_options import ProgressBar
-from sb3_adaptnet.evaluation.stacking import markdown, measure_pairs, read_csv, renewed, write_csv, write_heat_map
+from sb3_adaptnet.evaluation.stacking import Cell, markdown, measure_pairs, read_csv, renewed, write_csv, write_heat_map
 from sb3_adaptnet.stacking import pairs_of
 
 STACK_SECONDS = 200.0
@@ -50,15 +51,20 @@ def run(options: argparse.Namespace) -> int:
     for path, suffix in ((table, ".csv"), (options.output, ".png")):
         if path is not None:
             check_output(path, suffix)
-    whole = read_csv(options.into) if options.into else []
+    # A table of before is whole until all is measured anew: a run that is stopped loses nothing.
+    before = read_csv(table) if table is not None and (options.into or table.is_file()) else []
     if options.threads is not None:
         torch.set_num_threads(options.threads)
     pairs, bar = pairs_of(options.adaptations), ProgressBar("walking")
     asked = (options.seconds, options.seed, options.threads, bar, options.base_speeds, options.find_weights)
+    measured: list[Sequence[Cell]] = []
     for cells in measure_pairs(ProgressBar(f"{len(pairs)} pairs")(pairs), *asked):
-        whole = renewed(whole, [cells])
+        measured = renewed(measured, [cells])
         if table is not None:
-            write_csv(whole, table)
+            write_csv(renewed(before, measured), table)
+    whole = renewed(before, measured) if options.into else measured
+    if options.csv is not None:
+        write_csv(whole, options.csv)
     if options.output is not None:
         write_heat_map(whole, options.output)
     print(markdown(whole))

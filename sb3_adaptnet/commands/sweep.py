@@ -10,9 +10,9 @@ import torch
 from filelock import Timeout
 
 from adapt_envs.commands.doctor import usable_cores
+from adapt_envs.commands.exit_codes import INTERRUPTED
 from sb3_adaptnet.commands.export import export
 from sb3_adaptnet.commands.policy_options import open_worlds_for
-from sb3_adaptnet.commands.train import INTERRUPTED
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import evaluate
 from sb3_adaptnet.policies.loading import load_policy
@@ -56,6 +56,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         ValueError: for words that are none of these, or anything that cannot be as it is asked for.
     """
+    _refuse_together(options)
     match options.what:
         case ["status", folder]:
             rows = read_status(folder)
@@ -67,6 +68,17 @@ def run(options: argparse.Namespace) -> int:
             return run_all(read_sweep(file), options)
     words = " ".join(options.what)
     raise ValueError(f"{words!r} is no sweep; write FILE.yml, or: status DIR, or: run DIR/RUN")
+
+
+def _refuse_together(options: argparse.Namespace) -> None:
+    """Refuse options that would be ignored."""
+    if options.plain and options.address is not None:
+        raise ValueError("--plain does without Ray, and --address is that of a Ray cluster: leave out one of them")
+    of_status, of_runs = ("csv", "markdown"), ("dir", "address", "plain")
+    ignored = of_runs if options.what[0] == "status" else of_status
+    given = [f"--{name}" for name in ignored if getattr(options, name)]
+    if given:
+        raise ValueError(f"{given[0]} does not go with {' '.join(options.what)!r}")
 
 
 def run_all(sweep: Sweep, options: argparse.Namespace) -> int:
@@ -159,7 +171,8 @@ def finish(place: UnitFolder, unit: Unit) -> None:
     found = []
     if unit.measurement is not None:
         torch.set_num_threads(settings.threads or torch.get_num_threads())
-        env = open_worlds_for(str(file), threads=settings.threads)
+        own = settings.env_id if ":" in settings.env_id else None  # a module's, which no card may name
+        env = open_worlds_for(str(file), own, settings.motion if own else None, threads=settings.threads)
         policy = load_policy(file, env, base=settings.base)
         found = [evaluate(policy, env, unit.measurement.seconds, seed).figures for seed in unit.measurement.seeds]
         env.close()

@@ -4,15 +4,14 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
-from adapt_envs.commands.numbers import positive
+from adapt_envs.commands.exit_codes import INTERRUPTED
+from adapt_envs.commands.numbers import minutes_of, positive
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.algorithm import algorithm_of
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
 from sb3_adaptnet.runs.training import resume, start
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells have it."""
 DEFAULT = "ppo"
 """The algorithm of a training for which none is named, as the paper's."""
 FROM_SCRATCH_ONLY = ("seed", "algo", "conf_file", "base", "start", "world_model", "motion", "n_envs", "run_dir")
@@ -39,7 +38,7 @@ def add_parser(subparsers: Any) -> None:
     words = "adaptation of that base to go on from, with this run's settings and learner"
     parser.add_argument("--start", metavar="NAME_OR_FILE", help=words)
     parser.add_argument("--motion", metavar="FILE", help="clip for environments that take motion=")
-    parser.add_argument("--minutes", type=float, default=3.0, help="minutes between checkpoints (default 3)")
+    parser.add_argument("--minutes", type=minutes_of, default=3.0, help="minutes between checkpoints (default 3)")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
 

@@ -10,6 +10,7 @@ from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.runs.error_plot import draw_errors
 from sb3_adaptnet.runs.world_fit import FitPlan, fit_world, record_transitions
 from sb3_adaptnet.weights.card import trained_in
+from sb3_adaptnet.weights.weight_file import check_card_place
 from sb3_adaptnet.world_model.fitting.error_table import HORIZONS, coasting, error_table
 from sb3_adaptnet.world_model.world_file import read_world
 
@@ -58,6 +59,7 @@ def run_fit(options: argparse.Namespace) -> int:
     """Fit, telling the errors of each stage, and say where the file is."""
     output = options.output or Path(f"{Path(options.base).stem}.world.safetensors")
     check_output(output)
+    check_card_place(output)
     policies = (options.base, *(name for name in options.policies.split(",") if name))
     plan = FitPlan(
         env_id=options.env or trained_in(options.base)[0],

@@ -1,10 +1,8 @@
 """Experiments of the zoo's YAML files: what to train with on an environment."""
 
 import inspect
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +10,10 @@ import yaml
 from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.policies import BasePolicy
 
 from sb3_adaptnet.algorithms.svg import SVG
-from sb3_adaptnet.runs.yaml_values import whole
+from sb3_adaptnet.runs.yaml_values import arguments_of, load_class, mapping, whole
 from sb3_adaptnet.weights.shipped import zoo_config_path
 
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "svg": SVG}
@@ -134,8 +133,9 @@ def experiment_of(
     for key in ("policy", "n_envs", "n_timesteps"):
         if key not in entry:
             raise ValueError(f"{where}: the entry lacks {key!r}")
-    policy = load_class(entry["policy"], where)
-    policy_kwargs = dict(entry.get("policy_kwargs") or {})
+    policy = load_class(where, entry["policy"], BasePolicy)
+    policy_kwargs = dict(mapping(f"{where}: policy_kwargs", entry.get("policy_kwargs") or {}))
+    start = policy_kwargs.get("start") if start is None else start
     if base is not None:
         policy_kwargs["base"] = base
     if start is not None:
@@ -155,7 +155,7 @@ def experiment_of(
         n_envs=whole(f"{where}: n_envs", entry["n_envs"], least=1),
         samples=whole(f"{where}: n_timesteps", entry["n_timesteps"], least=1),
         callbacks=tuple(_callbacks(where, entry.get("callback"))),
-        env_kwargs=dict(entry.get("env_kwargs") or {}),
+        env_kwargs=dict(mapping(f"{where}: env_kwargs", entry.get("env_kwargs") or {})),
     )
 
 
@@ -211,40 +211,14 @@ def _number(where: str, key: str, value: Any) -> Any:
     return value
 
 
-def load_class(name: str, where: str) -> type:
-    """Import a class by its dotted name.
-
-    Raises:
-        ValueError: if there is no such module or class. One that its package exports under a shorter name is named.
-    """
-    module, _, attribute = str(name).rpartition(".")
-    try:
-        return getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        package = module.partition(".")[0]
-        moved = hasattr(sys.modules.get(package), attribute)
-        hint = f"; write {package}.{attribute}" if moved else f" ({error})"
-        raise ValueError(f"{where}: no class {name!r}{hint}") from error
-
-
-def arguments_of(cls: type) -> tuple[str, ...]:
-    """Names of a class's constructor arguments, its bases' as well where it hands `**kwargs` on."""
-    names: dict[str, None] = {}
-    for base in inspect.getmro(cls):
-        parameters = inspect.signature(base).parameters.values()
-        names.update((p.name, None) for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY))
-        if not any(p.kind is p.VAR_KEYWORD for p in parameters):
-            break
-    return tuple(name for name in names if name != "self")
-
-
 def _callbacks(where: str, entries: Any) -> list[tuple[type, dict[str, Any]]]:
     found = []
     for entry in entries if isinstance(entries, list) else [] if entries is None else [entries]:
         if isinstance(entry, dict) and len(entry) != 1:
             raise ValueError(f"{where}: each callback has a dash of its own, unlike {', '.join(map(str, entry))}")
         name, settings = next(iter(entry.items())) if isinstance(entry, dict) else (entry, {})
-        cls = load_class(name, where)
-        _refuse_unknown(f"{where}: {name}", settings or {}, arguments_of(cls))
-        found.append((cls, dict(settings or {})))
+        cls = load_class(where, name, BaseCallback)
+        settings = mapping(f"{where}: {name}", settings or {})
+        _refuse_unknown(f"{where}: {name}", settings, arguments_of(cls))
+        found.append((cls, dict(settings)))
     return found

@@ -14,6 +14,8 @@ from sb3_adaptnet.weights.atomic_file import write_atomically
 
 RUNS = Path("runs")
 """Folder of the runs that were given no path, in the working directory."""
+DESCRIPTION = "run.json"
+"""File in a run's folder: its settings."""
 MOTION = "motion.npz"
 """File in a run's folder: the clip as it was trained on, if it is none of those that ship."""
 
@@ -81,19 +83,35 @@ class RunFolder:
         folder = cls(Path(path), settings)
         if cls.has_begun(folder.path):
             raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
+        folder._refuse_foreign({settings.env_id: entry})
         folder.path.mkdir(parents=True, exist_ok=True)
         if settings.motion is not None and not ships(settings.motion):
             load_clip(settings.motion).save(folder.motion)
             settings = replace(settings, motion=str(folder.motion))
+        folder.write_settings(settings)
         config = yaml.safe_dump({settings.env_id: entry}, sort_keys=False)
         write_atomically(folder.config, lambda stream: stream.write(config.encode()))
-        folder.write_settings(settings)
         return folder
+
+    def _refuse_foreign(self, config: dict[str, Any]) -> None:
+        """Refuse to write over what no run of ours left; a `config.yml` that says just this may be there."""
+        if (self.path / DESCRIPTION).exists():
+            return
+        there = [file for file in (self.checkpoint, self.progress, self.curve) if file.exists()]
+        if self.config.exists():
+            try:
+                same = yaml.safe_load(self.config.read_text(encoding="utf-8")) == config
+            except (yaml.YAMLError, UnicodeDecodeError):
+                same = False
+            there += [] if same else [self.config]
+        if there:
+            names = ", ".join(file.name for file in there)
+            raise ValueError(f"{self.path} holds {names} but no {DESCRIPTION} of a run; choose another folder")
 
     @staticmethod
     def has_begun(path: Path) -> bool:
         """Whether a folder holds a run that can be resumed: one killed before its first checkpoint may begin again."""
-        return (path / "run.json").exists() and (path / "checkpoint.pt").exists()
+        return (path / DESCRIPTION).exists() and (path / "checkpoint.pt").exists()
 
     @classmethod
     def open(cls, path: str | Path) -> "RunFolder":
@@ -102,10 +120,10 @@ class RunFolder:
         Raises:
             ValueError: if there is no run, or its description is damaged.
         """
-        folder = Path(path) if (Path(path) / "run.json").is_file() else RUNS / path
-        file = folder / "run.json"
+        folder = Path(path) if (Path(path) / DESCRIPTION).is_file() else RUNS / path
+        file = folder / DESCRIPTION
         if not file.is_file():
-            raise ValueError(f"no training run at {path}: it has no run.json")
+            raise ValueError(f"no training run at {path}: it has no {DESCRIPTION}")
         try:
             values = {"algo": "ppo", "world_model": None, "start": None, **json.loads(file.read_text(encoding="utf-8"))}
             settings = RunSettings(**{f.name: values[f.name] for f in fields(RunSettings)})
@@ -131,7 +149,7 @@ class RunFolder:
         self.settings = settings
         motion = MOTION if settings.motion == str(self.motion) else settings.motion
         text = json.dumps(asdict(replace(settings, motion=motion)), indent=2) + "\n"
-        write_atomically(self.path / "run.json", lambda stream: stream.write(text.encode()))
+        write_atomically(self.path / DESCRIPTION, lambda stream: stream.write(text.encode()))
 
     def save(self, state: dict[str, Any]) -> None:
         """Write the checkpoint; a kill at any moment leaves the old or the new one whole."""

@@ -167,7 +167,7 @@ def learn(
     model.verbose = 0 if quiet else 1
     with stopping(saver):
         model.learn(max(folder.settings.samples - done, 0), callback=callbacks, reset_num_timesteps=False)
-    saver.save()
+        saver.save()
     learner.vec_env.close()
     return folder
 
@@ -191,16 +191,16 @@ class CurveDrawer(BaseCallback):
 
 @contextmanager
 def stopping(saver: RunSaver) -> Iterator[None]:
-    """The first Ctrl-C or SIGTERM asks the run to save and leave; the second ends it as usual."""
+    """Ctrl-C and SIGTERM ask the run to save and leave; a second Ctrl-C ends it as usual.
+
+    A second SIGTERM does not: at a shutdown a sweep's run gets one from the system and one from its attendant's end.
+    """
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
-    def leave_to_default() -> None:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
     def ask(number: int, frame: Any) -> None:
-        del number, frame
-        leave_to_default()
+        del frame
+        if number == signal.SIGINT:
+            signal.signal(signal.SIGINT, before[signal.SIGINT])
         saver.ask_to_stop()
 
     for number in before:
@@ -208,4 +208,5 @@ def stopping(saver: RunSaver) -> Iterator[None]:
     try:
         yield
     finally:
-        leave_to_default()
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -45,6 +45,8 @@ def run_by_ray(
     os.environ.setdefault("RAY_CHDIR_TO_TRIAL_DIR", "0")
     # Ray's workers let all else go first; a run shall be as quick as without Ray.
     os.environ.setdefault("RAY_worker_niceness", "0")
+    # Tune would take Ctrl-C for itself, and the sweep would go on with what comes next.
+    os.environ.setdefault("TUNE_DISABLE_SIGINT_HANDLER", "1")
     if address is None:
         ray.init(address="local", num_cpus=cores, include_dashboard=False)
     else:
@@ -91,7 +93,7 @@ def ray_libraries() -> tuple[Any, Any]:
     try:
         return import_module("ray"), import_module("ray.tune")
     except ImportError as error:
-        raise ValueError(f"this needs an optional package ({error}): pip install 'adaptnet-gym[sweep]'") from error
+        raise ValueError(f"this needs an optional package ({error}): pip install '.[sweep]'") from error
 
 
 def _attend_trial(config: Mapping[str, str]) -> None:

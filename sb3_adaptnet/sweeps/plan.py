@@ -21,8 +21,8 @@ from sb3_adaptnet.runs.yaml_values import whole
 from sb3_adaptnet.sweeps.changes import merged
 from sb3_adaptnet.sweeps.sweep_file import Sweep, Task
 from sb3_adaptnet.sweeps.unit import Unit, UnitFolder
-from sb3_adaptnet.weights.checkpoint import resolve
-from sb3_adaptnet.world_model.world_file import beside_base
+from sb3_adaptnet.weights.checkpoint import Base, check_base, read_adaptation, read_base, resolve
+from sb3_adaptnet.world_model.world_file import beside_base, read_world
 
 SETTINGS = ("algo", "base", "conf_file", "motion", "n_envs", "samples", "start", "world_model")
 """Changes that are settings of a run, as of `adaptnet train`; all others change the zoo's entry."""
@@ -145,21 +145,28 @@ def _settings(given: dict[str, Any]) -> dict[str, Any]:
 def _files(found: Experiment, motion: str | None, world_model: str | None, start: str | None) -> dict[str, str]:
     """Check what the run will open, and build what needs no worlds; return paths that hold in any working directory."""
     files: dict[str, str] = {}
+    known: Base | None = None
     found.make_callbacks()
     base = found.arguments["policy_kwargs"].get("base")
     if base is not None:
         if not resolve(base).is_file():
             raise ValueError(f"there is no base file {str(resolve(base))!r}")
+        known = read_base(base)
         files["base"] = str(Path(base).resolve()) if Path(base).is_file() else str(base)
     if start is not None:
         if not resolve(start).is_file():
             raise ValueError(f"it starts from {start!r}, which is neither a task before it nor a file")
+        adaptation = read_adaptation(start)
+        if known is not None:
+            check_base(adaptation, known.name, known.hash)
         files["start"] = str(Path(start).resolve()) if Path(start).is_file() else start
     if world_model is not None and found.algorithm != "svg":
         raise ValueError(f"world_model {world_model!r} goes with algo svg, not with {found.algorithm}")
     model = Path(world_model) if world_model is not None else None if base is None else beside_base(base)
     if found.algorithm == "svg" and model is not None and not model.is_file():
         raise ValueError(f"there is no world model {str(model)!r}")
+    if found.algorithm == "svg" and model is not None:
+        read_world(model)
     if world_model is not None:
         files["world_model"] = str(Path(world_model).resolve())
     if motion is not None:

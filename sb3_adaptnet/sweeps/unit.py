@@ -130,6 +130,9 @@ class UnitFolder:
         unit, result = self.read(), self.read_result()
         if not unit.after or "start_hash" not in result:
             return False
+        before = UnitFolder(self.path.parent / unit.after)
+        if not before.read_result():  # it is being done again
+            return False
         weights = self._weights_before(unit)
         return weights.is_file() and read_weights(weights)[1]["hash"] != result["start_hash"]
 
@@ -154,8 +157,8 @@ class UnitFolder:
             result = json.loads(self.result.read_text(encoding="utf-8")) if self.result.is_file() else {}
         except ValueError as error:
             raise ValueError(f"{self.result} is damaged: {error}") from error
-        if not isinstance(result, dict):
-            raise ValueError(f"{self.result} is damaged: it holds no figures of a run")
+        if not isinstance(result, dict) or (result and not _is_result(result)):
+            raise ValueError(f"{self.result} is damaged: it holds no figures of a run; remove it to make it again")
         return result
 
     def is_done(self) -> bool:
@@ -174,3 +177,13 @@ class UnitFolder:
         if self.failure.is_file():
             return FAILED
         return STOPPED if self.begun else WAITING
+
+
+def _is_result(values: dict[str, Any]) -> bool:
+    """Whether it has the form of what `write_result` wrote."""
+    figures = values.get("figures")
+    if not (isinstance(values.get("weights"), str) and "measurement" in values and isinstance(figures, list)):
+        return False
+    needed = ("goal_reward", "falls_per_minute", "visible")
+    known = all(isinstance(one, dict) and all(name in one for name in needed) for one in figures)
+    return known and all(isinstance(values.get(name, 0), int | float) for name in ("samples", "bits"))

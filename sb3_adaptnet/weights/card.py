@@ -44,6 +44,10 @@ def trained_in(policy: str) -> tuple[str, str | None]:
     environment = card.get("environment")
     if not isinstance(environment, str):
         raise ValueError(f"{policy!r} does not say what it was trained in; name an environment with --env")
+    if ":" in environment:  # gymnasium would import a module because a file says so
+        raise ValueError(
+            f"{policy!r} was trained in {environment!r}, a module's own; name it with --env, if you trust it"
+        )
     motion = card.get("motion")
     beside = file.with_name(motion) if motion is not None and Path(motion).name == motion else None
     return environment, str(beside) if beside is not None and beside.is_file() else motion

@@ -11,6 +11,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 
 from sb3_adaptnet.weights.atomic_file import write_atomically
+from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX
 from sb3_adaptnet.weights.storage import in_bytes, restored, stored
 
 FORMAT = 1
@@ -62,7 +63,23 @@ def replace_card(file: Path, card: Mapping[str, Any]) -> None:
     _write(file, _read(file, "cpu")[0], card)
 
 
+def check_card_place(file: str | Path) -> None:
+    """Refuse a file of weights whose card would replace something else.
+
+    Raises:
+        ValueError: naming what is there.
+    """
+    place = Path(f"{str(file).removesuffix(WEIGHT_SUFFIX)}.json")
+    try:
+        found = json.loads(place.read_bytes()) if place.exists() else {"format": None, "hash": None}
+    except (ValueError, OSError):
+        found = None
+    if not (isinstance(found, dict) and {"format", "hash"} <= found.keys()):
+        raise ValueError(f"{place} is there already and is no card of weights, which would replace it")
+
+
 def _write(file: Path, tensors: Mapping[str, torch.Tensor], card: Mapping[str, Any]) -> None:
+    check_card_place(file)
     layout = _BYTE_FORMAT if in_bytes(tensors) else FORMAT
     full = {**card, "format": layout, "hash": weights_hash(tensors, card.get("architecture", {}))}
     plain = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in tensors.items()}
