@@ -105,7 +105,8 @@ def load_class(where: str, name: Any, kind: type) -> Any:
         return found
     except (ImportError, AttributeError, ValueError) as error:
         package = module.partition(".")[0]
-        moved = hasattr(sys.modules.get(package), attribute)
+        shorter = getattr(sys.modules.get(package), attribute, None)
+        moved = module != package and isinstance(shorter, type) and issubclass(shorter, kind)
         hint = f"; write {package}.{attribute}" if moved else f" ({error})"
         raise ValueError(f"{where}: no class {name!r}{hint}") from error
 

@@ -19,6 +19,9 @@ from sb3_adaptnet.commands.main import COMMANDS, main, make_parser
     (["train", "--resume", "no_such_run"], "no_such_run"),
     (["export", "no_such_run", "-o", "x"], "no_such_run"),
     (["export", "no_such_run", "-o", "no/such/folder/x"], "folder"),
+    (["sweep", "pretrained", "--plain", "--address", "auto"], "leave out one of them"),
+    (["sweep", "pretrained", "--csv"], "--csv does not go with 'pretrained'"),
+    (["sweep", "status", "x", "--dir", "y"], "--dir does not go with 'status x'"),
 ])  # fmt: skip
 def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -26,6 +29,29 @@ def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypa
     said = capsys.readouterr().err
     assert message in said and said.count("\n") == 1 and "Traceback" not in said
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("minutes", ["nan", "inf", "-1", "0", "soon"])
+def test_minutes_are_positive(minutes, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["train", "AdaptNet/Humanoid-Stoop-v0", "--minutes", minutes])
+    assert end.value.code == 2
+    assert f"{minutes!r} is not a positive number of minutes" in capsys.readouterr().err
+
+
+def test_a_style_is_named_once(capsys):
+    with pytest.raises(SystemExit):
+        main(["eval", "walk", "--styles", "walk-stoop=0.3,walk-stoop=0.7"])
+    assert "'walk-stoop' stands there twice" in capsys.readouterr().err
+
+
+def test_ctrl_c_is_no_traceback(monkeypatch, capsys):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("adapt_envs.commands.envs.run_list", stopped)
+    assert main(["envs", "list"]) == 130
+    assert capsys.readouterr().err == "adaptnet envs: stopped\n"
 
 
 def test_a_reader_that_has_seen_enough_is_no_error():

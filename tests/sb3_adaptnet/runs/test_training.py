@@ -22,8 +22,8 @@ from sb3_adaptnet.commands.main import main
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.history import read_rows
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings
-from sb3_adaptnet.runs.saver import random_states, restore, restore_random_states, snapshot
-from sb3_adaptnet.runs.training import build_learner, resume, start
+from sb3_adaptnet.runs.saver import RunSaver, random_states, restore, restore_random_states, snapshot
+from sb3_adaptnet.runs.training import build_learner, resume, start, stopping
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
 
@@ -324,3 +324,27 @@ def test_a_resumed_run_refuses_changes_and_damage(tmp_path, capsys):
     assert main(["train", "--resume", str(folder.path)]) == 2
     said = capsys.readouterr().err.splitlines()
     assert ["--seed" in said[0], "Other-v0" in said[1], "holds a run" in said[2], "cut short" in said[3]] == [True] * 4
+
+
+def test_a_second_sigterm_waits_for_the_checkpoint(tmp_path):
+    saver = RunSaver(RunFolder(tmp_path, settings(tmp_path)), None)
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    with stopping(saver):
+        for _ in range(2):
+            signal.raise_signal(signal.SIGTERM)
+        assert not saver._on_step()
+        signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
+
+
+@pytest.mark.parametrize("name", ["config.yml", "checkpoint.pt", "progress.csv"])
+def test_a_run_writes_over_nothing_foreign(tmp_path, name):
+    asked, path = settings(tmp_path), tmp_path / "run"
+    path.mkdir()
+    (path / name).write_text("mine: {precious: 1}")
+    with pytest.raises(ValueError, match=f"holds {name} but no run.json of a run; choose another folder"):
+        RunFolder.new(asked, path)
+    assert [file.name for file in path.iterdir()] == [name]
+    assert (path / name).read_text() == "mine: {precious: 1}"

@@ -70,6 +70,12 @@ def test_a_run_of_a_graphics_card_learns_there(tmp_path):
         ({"world_model": "a.world.safetensors"}, "goes with algo svg, not with ppo"),
         ({"algo": "svg", "base": "run"}, "no world model '.*run.world.safetensors'"),
         ({"conf_file": "nosuch"}, "no experiment configuration named 'nosuch'"),
+        ({"base": "walk-stoop"}, "holds 'adaptation', not 'base'"),
+        ({"start": "walk"}, "holds 'base', not 'adaptation'"),
+        ({"start": "run-longshins"}, "adapts base 'run'"),
+        ({"env_kwargs": 5}, "env_kwargs is 5, expected a mapping"),
+        ({"policy": "sb3_adaptnet.load_policy"}, "no class 'sb3_adaptnet.load_policy' .it is no BasePolicy"),
+        ({"seeds": [2**32]}, "a seed in .* is 4294967296, expected at most 4294967295"),
     ],
 )
 def test_what_cannot_be_trained_gets_one_sentence(tmp_path, changes, sentence):

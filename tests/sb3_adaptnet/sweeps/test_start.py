@@ -35,6 +35,9 @@ def test_it_waits_for_the_run_that_it_starts_from_and_its_card_names_it(tmp_path
     assert main(["sweep", "run", str(first.path)]) == 0 and second.is_done() and second.is_stale()
     assert main(["sweep", "status", str(tmp_path / "runs")]) == 0
     assert "b-seed0: a-seed0 has other weights than it started from" in capsys.readouterr().out
+    first.result.unlink()  # it is being done again
+    assert not second.is_stale()
+    assert main(["sweep", "status", str(tmp_path / "runs")]) == 0
 
 
 def test_it_comes_in_a_wave_after_the_run_that_it_starts_from(tmp_path, tiny_base):

@@ -73,3 +73,10 @@ def test_the_tables_hold_the_same_runs(runs):
 def test_a_mean_needs_every_number():
     assert mean([{"a": 1.0}, {"a": 2.0}], "a") == 1.5
     assert mean([{"a": 1.0}, {}], "a") is None and mean([], "a") is None
+
+
+@pytest.mark.parametrize("content", ['{"samples": "many"}', '{"samples": 1e9, "bits": 32}', "[1]", "{"])
+def test_a_damaged_result_gets_one_sentence(runs, content):
+    (runs / "Toy-seed0" / "result.json").write_text(content)
+    with pytest.raises(ValueError, match="result.json is damaged"):
+        read_status(runs)

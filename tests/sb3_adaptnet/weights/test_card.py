@@ -70,3 +70,9 @@ def test_a_card_tells_the_environment_and_the_clip_of_any(file):
     assert trained_in(str(file)) == ("AdaptNet/Humanoid-IceWalk-v0", "Stoop")
     amend_card(file, motion=None)
     assert trained_in(str(file)) == ("AdaptNet/Humanoid-IceWalk-v0", None)
+
+
+def test_a_card_cannot_name_a_module_to_import(file):
+    amend_card(file, environment="evil:AdaptNet/Humanoid-Stoop-v0")
+    with pytest.raises(ValueError, match="'evil:AdaptNet/Humanoid-Stoop-v0', a module's own; name it with --env"):
+        trained_in(str(file))

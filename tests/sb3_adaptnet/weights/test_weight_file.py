@@ -115,6 +115,18 @@ def test_weights_that_are_not_finite_are_refused(base_model, tmp_path):
         load_policy(file, ENV)
 
 
+@pytest.mark.parametrize("content", ['{"joints": []}', "[1, 2]", "not JSON"])
+def test_a_card_replaces_cards_alone(base_model, tmp_path, content):
+    file = save_base(base_model, tmp_path / "a")
+    save_base(base_model, file)  # its own card
+    before = file.read_bytes()
+    file.with_suffix(".json").write_text(content)
+    for name in (file, tmp_path / "a"):
+        with pytest.raises(ValueError, match="a.json is there already and is no card of weights"):
+            save_base(base_model, name)
+    assert file.with_suffix(".json").read_text() == content and file.read_bytes() == before
+
+
 class Bomb:
     def __reduce__(self):
         return (exec, ("raise SystemExit('code ran')",))
