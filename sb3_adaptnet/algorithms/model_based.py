@@ -147,11 +147,14 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         Returns:
             The guess's error; see `regress_to_servo_aims`.
         """
-        if self.policy.knows_nothing or self.model_fit_is_due():
-            act = servo_aims(motion) if self.policy.knows_nothing else self._steady_action
+        knows_nothing = self.policy.knows_nothing
+        if knows_nothing or self.model_fit_is_due():
+            act = servo_aims(motion) if knows_nothing else self._steady_action
             observations = self._fit_model(env, act, progress_bar)
-            if self.policy.knows_nothing:
+            if knows_nothing:
                 self.policy.learn_statistics(torch.as_tensor(observations, device=self.device))
+        if updates and not knows_nothing:
+            self.policy.expect(motion.frames)
         return regress_to_servo_aims(self.policy, motion, env.simulation.goal_states.speed, updates, self.rng)
 
     def _fit_model(self, env: AdaptVecEnv, act: Act, progress_bar: bool) -> NDArray[np.float32]:

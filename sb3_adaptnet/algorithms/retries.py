@@ -1,6 +1,7 @@
 """What came before episodes failed: worlds are put back there until they succeed, and again."""
 
 from collections import deque
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -48,6 +49,11 @@ class Retries:
         """How many wait."""
         return len(self._waiting)
 
+    @property
+    def trying(self) -> NDArray[np.bool_]:
+        """(N,) which worlds try again what failed."""
+        return np.array([tried is not None for tried in self._tried], np.bool_)
+
     def watch(self, now: Situations) -> None:
         """Remember what all worlds are in the middle of, before each of their steps."""
         self._past.append(now)
@@ -60,7 +66,7 @@ class Retries:
         """Take up what came before the episodes of `worlds` (n,) failed, after `ages` (n,) control steps each.
 
         A retry that failed waits again as it was; what came before other failures is new, and begins with the episode
-        if that was younger.
+        if that was younger, and with the target if that was: before it, another target might come up instead.
         """
         backs = self._rng.integers(BACK[0], BACK[1] + 1, len(worlds))
         for world, back in zip(worlds, np.minimum(backs, ages), strict=True):
@@ -68,9 +74,16 @@ class Retries:
             if tried is not None:
                 self._wait(tried._replace(successes=0))
             elif self._past:
-                moment = self._past[-min(int(back), len(self._past))]
+                latest = max(BACK[0], self._steps_to_its_target(world))
+                moment = self._past[-min(int(back), latest, len(self._past))]
                 self._wait(_Waiting(moment.of(np.array([world]))))
             self._tried[world] = None
+
+    def _steps_to_its_target(self, world: int) -> int:
+        """For how many of the steps that were watched a world has had its target."""
+        latest = self._past[-1].target[world]
+        same = (bool((now.target[world] == latest).all()) for now in reversed(self._past))
+        return sum(1 for _ in takewhile(bool, same))
 
     def succeeded(self, worlds: NDArray[np.integer]) -> None:
         """The episodes of `worlds` (n,) are over and did not fail; those that are no retries do not matter."""
@@ -86,7 +99,7 @@ class Retries:
 
     def lengths(self, worlds: NDArray[np.integer]) -> NDArray[np.integer]:
         """(n,) control steps that the episodes of `worlds` (n,), which begin, shall last: 0 where it is no retry."""
-        trying = np.array([self._tried[world] is not None for world in worlds], np.bool_)
+        trying = self.trying[worlds]
         steps = np.zeros(len(worlds), np.int64)
         steps[trying] = self._rng.integers(LENGTHS[0], LENGTHS[1] + 1, int(trying.sum()))
         return steps

@@ -51,7 +51,7 @@ class TrackedWorlds:
         guide: what they follow.
         error_limit, loose_limit: mean errors of the links' positions [m] at which an episode ends.
         strengths: (N,) at which the adaptation acts; in part, no episode ends by its error.
-        retries: what came before loose worlds failed.
+        retries: what came before loose worlds failed, at the whole strength.
         loose: (N,) worlds with longer episodes and a wider limit.
         lengths: steps of the episodes that ended in the last rollout.
     """
@@ -103,6 +103,7 @@ class TrackedWorlds:
         spreads = value_at(episodes.goal_spread, samples), value_at(episodes.loose_goal_spread, samples)
         self.env.set_attr("goal_spread", np.where(self.loose, spreads[1], spreads[0]))
         strengths = strengths_at(samples, len(self._all), value_at(episodes.partial_share, samples))
+        strengths[self.retries.trying] = 1  # as when it failed
         self.strengths, self._strength_is_new = strengths, strengths != self.strengths
 
     def begin(self, samples: int) -> NDArray[np.float32]:
@@ -166,17 +167,19 @@ class TrackedWorlds:
             failed[world] = infos[world].get("end") in FAILURES
         ended = dones.copy()
         ended[stopped] = True
-        loose = failed & self.loose
-        self.retries.failed(np.flatnonzero(loose), self._ages[loose])
-        self.retries.succeeded(np.flatnonzero(ended & ~loose))
-        self._restart(stopped, observations)
+        retried = self.loose & (self.strengths == 1)
+        self.retries.failed(np.flatnonzero(retried & failed), self._ages[retried & failed])
+        self.retries.succeeded(np.flatnonzero(ended & ~failed))
+        self._restart(stopped, np.flatnonzero(retried & ended), observations)
         self.lengths.extend(self._ages[ended].tolist())
         self._follow(np.flatnonzero(ended), self.guide.motion.seen_in(observations))
         return TrackedStep(observations, rewards, dones, infos, ended, failed, guidance, errors)
 
-    def _restart(self, stopped: NDArray[np.integer], observations: NDArray[np.float32]) -> None:
-        """End the episodes of the worlds `stopped` and put their first observations in place."""
-        again, situations = self.retries.draw(stopped[self.loose[stopped]], self._retry_share)
+    def _restart(
+        self, stopped: NDArray[np.integer], retried: NDArray[np.integer], observations: NDArray[np.float32]
+    ) -> None:
+        """Begin episodes in the worlds `stopped`, and retries in some of `retried`; put first observations in place."""
+        again, situations = self.retries.draw(retried, self._retry_share)
         others = np.setdiff1d(stopped, again)
         for ids, chosen in ((others, None), (again, situations)):
             if len(ids):

@@ -114,6 +114,16 @@ class ObjectivePolicy(AssembledPolicy):
         for normalizer in self._normalizers():
             normalizer.apply_statistics()
 
+    def expect(self, frames: torch.Tensor) -> None:
+        """Let states to come (B, 780), or single frames (B, 195), count as much as all that was collected until now.
+
+        What is far from all of that would be clipped, and clipped numbers tell nothing and have no gradient.
+        """
+        moments = moments_of(frames.reshape(len(frames), -1, self.architecture.frame_size))
+        for normalizer in self._normalizers():
+            normalizer.observe(moments._replace(samples=max(1, int(normalizer.count))))
+            normalizer.apply_statistics()
+
     def forward(self, obs: PyTorchObs, deterministic: bool = False) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """Act while samples are collected.
 

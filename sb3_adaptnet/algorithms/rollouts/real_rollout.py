@@ -134,11 +134,12 @@ class RealRollout:
 
         What follows an end in a window counts nothing, and few windows begin just where an episode does.
         """
-        worlds, last = np.arange(self.transitions.num_worlds), len(self) - steps
+        worlds, last, ended = np.arange(self.transitions.num_worlds), len(self) - steps, self.transitions.ended
         starts = rng.integers(last + 1, size=len(worlds))
-        ended = self.transitions.ended[starts + np.arange(steps)[:, None], worlds]
-        after = starts + 1 + ended.argmax(0)
-        on = ended.any(0) & (after <= last) & (rng.random(len(worlds)) < _ON_TO_THE_NEXT)
+        crossed = ended[starts + np.arange(steps)[:, None], worlds]
+        after = starts + 1 + crossed.argmax(0)
+        begins = (after <= last) & ~ended[np.minimum(after, last), worlds]
+        on = crossed.any(0) & begins & (rng.random(len(worlds)) < _ON_TO_THE_NEXT)
         return np.where(on, after, starts)
 
     @property

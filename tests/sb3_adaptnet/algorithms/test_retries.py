@@ -35,6 +35,18 @@ def test_a_retry_begins_before_the_failure_or_where_the_episode_did(retries):
     assert len(retries) == 0
 
 
+@pytest.mark.parametrize(("steps", "earliest"), [(45, 45), (5, BACK[0]), (99, BACK[1])])
+def test_a_retry_does_not_begin_before_the_target_but_that_was_new(retries, steps, earliest):
+    for time in range(100, 100 + steps):
+        now = situations(time)
+        now.target[2] = 1.0
+        retries.watch(now)
+    for _ in range(200):
+        retries.failed(np.array([2]), np.array([300]))
+    backs = 100 + steps - np.array([retries.draw(np.array([0]), 1.0)[1].speed[0] for _ in range(200)])
+    assert (backs.min(), backs.max()) == (BACK[0], earliest)
+
+
 def test_a_retry_is_short(retries):
     retries.failed(np.array([2]), np.array([80]))
     retries.draw(np.array([3]), 1.0)

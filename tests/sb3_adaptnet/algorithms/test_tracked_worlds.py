@@ -136,6 +136,35 @@ def test_loose_worlds_try_again_what_came_before_they_failed(make_worlds):
     assert step.observations.shape == (WORLDS, 784)
 
 
+def test_who_fell_tries_again_too(make_worlds):
+    worlds = make_worlds(error_limit=9.0, loose_limit=9.0, loose_share=1.0, retry_share=1.0)
+    past, again = [], 0
+    for _ in range(60):
+        past.extend(situated(worlds))
+        step = worlds.step(np.zeros((WORLDS, 28), np.float32))
+        now = situated(worlds)
+        fallen = np.flatnonzero(step.dones)
+        tried = [any(np.array_equal(now[world], before) for before in past) for world in fallen]
+        assert tried == worlds.retries.trying[fallen].tolist()
+        again += sum(tried)
+    assert again > 5
+
+
+def test_only_what_fails_at_the_whole_strength_is_tried_again_and_at_that(make_worlds):
+    limits = {"error_limit": 9.0, "loose_limit": 9.0, "loose_share": 1.0, "retry_share": 0.5}
+    worlds = make_worlds(**limits, partial_share={0: 0.0, 1: 1.0})
+    worlds.schedule(1)
+    assert (worlds.strengths < 1).all()
+    assert sum(step.failed.sum() for step in steps(worlds, 60)) > 5
+    assert len(worlds.retries) == 0
+    worlds.schedule(0)
+    steps(worlds, 60)
+    trying = worlds.retries.trying
+    assert trying.any() and not trying.all()
+    worlds.schedule(1)
+    assert np.array_equal(worlds.strengths == 1, trying)
+
+
 def test_nothing_is_tried_again_without_a_share(make_worlds):
     worlds = make_worlds(error_limit=0.05, loose_limit=0.05)
     steps(worlds, 20)

@@ -41,6 +41,19 @@ def test_predicting_inside_a_rollout_does_not_move_the_statistics():
     assert np.array_equal(act(policy), before)
 
 
+def test_what_is_expected_is_not_clipped_and_what_was_known_counts_as_much(tiny_base):
+    policy = adapt(AdaptNetPolicy, ToyEnv(), tiny_base).policy
+    (normalizer,) = policy.actor.normalizers()
+    before = normalizer.mean.clone()
+    frames = torch.from_numpy(observations(count=50)[:, :-4]) + 1000
+    single = frames.reshape(-1, policy.architecture.frame_size)
+    assert (normalizer(single).abs() == 5).all()
+    policy.expect(frames)
+    assert normalizer(single).abs().max() < 5
+    assert torch.allclose(normalizer.mean, (before + single.mean(0)) / 2, rtol=1e-4)
+    assert torch.equal(policy.actor.base.normalizer.mean, before)
+
+
 @pytest.mark.parametrize("weights", [(1.0,), (0.35, 0.65), (0.2, 0.3, 0.5)])
 def test_objectives(weights, tiny_base):
     policy = adapt(AdaptNetPolicy, ToyEnv(), tiny_base).policy

@@ -1,5 +1,7 @@
 """Each world's window of a rollout is what happened from its own start on; episodes' beginnings come up often."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rollout_cases import quiet
@@ -43,3 +45,16 @@ def test_windows_fit_and_begin_where_episodes_do_more_often_than_elsewhere(rollo
     found = np.bincount(starts[:, world], minlength=last + 1) / draws
     assert found[end + 1] == pytest.approx((1 + 0.5 * WINDOW) / (last + 1), abs=0.03)
     assert found[end] == pytest.approx(0.5 / (last + 1), abs=0.02)
+
+
+def test_no_window_moves_to_where_nothing_is_learned(rollout):
+    """In a mirror many steps in a row may count as ended."""
+    ended = np.zeros_like(rollout.transitions.ended)
+    ended[6:11] = True
+    masked = replace(rollout, transitions=replace(rollout.transitions, ended=ended))
+    rng = np.random.default_rng(0)
+    starts = np.stack([masked.drawn_starts(WINDOW, rng) for _ in range(2000)])
+    found = np.bincount(starts.ravel(), minlength=13) / starts.size
+    assert found[[*range(7), 12]] == pytest.approx(1 / 13, abs=0.01)
+    assert found[7:11] == pytest.approx([1 / 13] * 3 + [0.5 / 13], abs=0.01)
+    assert found[11] == pytest.approx(1.5 / 13, abs=0.01)
