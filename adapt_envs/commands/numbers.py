@@ -15,6 +15,13 @@ def positive(text: str) -> int:
     return value
 
 
+def seed_of(text: str) -> int:
+    """Parse a seed, as numpy takes it."""
+    if not (text.isascii() and text.isdigit() and int(text) < 2**32):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a seed, a number from 0 to {2**32 - 1}")
+    return int(text)
+
+
 def port_of(text: str) -> int:
     """Parse a port's number; 0 stands for any free one."""
     if not (text.isascii() and text.isdigit() and int(text) <= 65535):

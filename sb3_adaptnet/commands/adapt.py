@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from adapt_envs.commands.exit_codes import INTERRUPTED
-from adapt_envs.commands.numbers import minutes_of, positive, seconds_of
+from adapt_envs.commands.numbers import minutes_of, positive, seconds_of, seed_of
 from adapt_envs.commands.output import check_output
 from adapt_envs.motion.clip import MotionClip
 from adapt_envs.motion.importing.pipeline import SUFFIXES, import_motion
@@ -24,7 +24,8 @@ from sb3_adaptnet.policies.loading import load_policy
 from sb3_adaptnet.runs.experiment import experiment
 from sb3_adaptnet.runs.lock import held
 from sb3_adaptnet.runs.run_folder import MOTION, RUNS, RunFolder, RunSettings
-from sb3_adaptnet.runs.training import resume, start
+from sb3_adaptnet.runs.training import check_device, resume, start
+from sb3_adaptnet.weights.checkpoint import read_base
 from sb3_adaptnet.weights.shipped import WEIGHT_SUFFIX, pretrained_names
 from sb3_adaptnet.weights.weight_file import check_card_place
 from sb3_adaptnet.world_model.world_file import read_world
@@ -49,7 +50,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--base", metavar="NAME_OR_FILE", help=f"base to adapt (default {BASE})")
     parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="weight file to write")
-    parser.add_argument("--seed", type=int, help="default 0")
+    parser.add_argument("--seed", type=seed_of, help="default 0")
     parser.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run; default runs/adapt-OUT")
     parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder")
     parser.add_argument("--n-envs", type=positive, help="worlds; default: the entry's")
@@ -96,6 +97,8 @@ def prepare(options: argparse.Namespace) -> tuple[RunSettings, MotionClip, Path]
     clip = opened(options.motion, options.map, options.quiet)
     path = options.run_dir or RUNS / f"adapt-{options.output.name.removesuffix(WEIGHT_SUFFIX)}"
     refuse_begun(path)
+    read_base(base)
+    check_device(options.device or "cpu")
     settings = RunSettings(
         env_id=STYLE_ENV,
         samples=options.samples or entry.samples,

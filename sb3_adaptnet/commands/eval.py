@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from adapt_envs.commands.numbers import positive, seconds_of, speed_of
+from adapt_envs.commands.numbers import positive, seconds_of, seed_of, speed_of
 from adapt_envs.commands.output import check_output
 from adapt_envs.drawing.film import rollout_frames, write_video
 from adapt_envs.drawing.motion_sheet import write_sheet
@@ -38,7 +38,7 @@ def add_parser(subparsers: Any) -> None:
     )
     add_options(parser)
     parser.add_argument("--seconds", type=seconds_of, default=DEFAULT_SECONDS, help="simulated seconds (default 1200)")
-    parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
+    parser.add_argument("--seed", type=seed_of, default=0, help="of start states and goals (default 0)")
     words = "preferred speed straight ahead, instead of the motion's own"
     parser.add_argument("--speed", type=speed_of, metavar="M_S", help=words)
     words = "begin N episodes of 2 s, too, and count those that fall: a base that stands at first may fall at once"

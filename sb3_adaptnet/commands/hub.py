@@ -3,6 +3,7 @@
 import argparse
 import sys
 import tempfile
+from filecmp import cmp
 from functools import partial
 from pathlib import Path
 from shutil import copyfileobj
@@ -81,7 +82,8 @@ def _copy(file: Path, base: Path | None, folder: Path) -> Path:
     found = {path.name: path for pattern in WANTED for path in file.parent.glob(pattern)}
     if base is not None and (base.stem not in pretrained_names() or base != pretrained_path(base.stem)):
         found |= {path.name: path for path in (base, base.with_suffix(".json")) if path.is_file()}
-    taken = next((name for name in found if (folder / name).exists()), None)
+    there = {name: folder / name for name in found if (folder / name).exists()}
+    taken = next((name for name, copy in there.items() if not cmp(found[name], copy, shallow=False)), None)
     if taken is not None:
         raise ValueError(f"{folder / taken} is there already; choose another folder with -o")
     folder.mkdir(parents=True, exist_ok=True)

@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from adapt_envs.commands.numbers import port_of, positive
+from adapt_envs.commands.numbers import port_of, positive, seed_of
 from adapt_envs.drawing.scene import RenderingError
 from adapt_envs.drawing.world_view import Window
 from adapt_envs.simulation.worlds import Worlds
@@ -25,7 +25,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--view", choices=VIEWS, default="auto", help=words)
     parser.add_argument("--host", default="127.0.0.1", help="address to serve the browser at (default 127.0.0.1)")
     parser.add_argument("--port", type=port_of, default=8080, help="port to serve the browser at (default 8080)")
-    parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
+    parser.add_argument("--seed", type=seed_of, default=0, help="of start states and goals (default 0)")
     parser.add_argument("--steps", type=positive, help="leave after this many control steps; default: when closed")
     parser.set_defaults(run=run)
 

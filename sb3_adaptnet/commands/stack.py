@@ -7,7 +7,7 @@ from typing import Any
 
 import torch
 
-from adapt_envs.commands.numbers import positive, seconds_of
+from adapt_envs.commands.numbers import positive, seconds_of, seed_of
 from adapt_envs.commands.output import check_output
 from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.evaluation.stacking import Cell, markdown, measure_pairs, read_csv, renewed, write_csv, write_heat_map
@@ -26,7 +26,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("adaptations", nargs="*", metavar="ADAPTATION", help=words)
     words = "simulated seconds of each of a pair's four cells (default 200)"
     parser.add_argument("--seconds", type=seconds_of, default=STACK_SECONDS, help=words)
-    parser.add_argument("--seed", type=int, default=0, help="of start states and goals (default 0)")
+    parser.add_argument("--seed", type=seed_of, default=0, help="of start states and goals (default 0)")
     parser.add_argument("--threads", type=positive, help="threads of networks and physics; default: all cores")
     words = "random goals at the base's speeds, which grounds were trained at; default: at the style's"
     parser.add_argument("--base-speeds", action="store_true", help=words)

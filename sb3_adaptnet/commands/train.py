@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from adapt_envs.commands.exit_codes import INTERRUPTED
-from adapt_envs.commands.numbers import minutes_of, positive
+from adapt_envs.commands.numbers import minutes_of, positive, seed_of
 from sb3_adaptnet.commands.algorithm import add_options as add_algorithm_options
 from sb3_adaptnet.commands.algorithm import algorithm_of
 from sb3_adaptnet.runs.experiment import experiment
@@ -28,7 +28,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--conf-file", help=words)
     add_algorithm_options(parser, DEFAULT)
     parser.add_argument("--samples", type=positive, help="control steps over all worlds; default: the entry's")
-    parser.add_argument("--seed", type=int, help="default 0")
+    parser.add_argument("--seed", type=seed_of, help="default 0")
     parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder")
     parser.add_argument("--run-dir", metavar="DIR", help="folder of the new run; default runs/ID_N")
     parser.add_argument("--n-envs", type=positive, help="worlds; default: the entry's")

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from adapt_envs.commands.numbers import positive
+from adapt_envs.commands.numbers import positive, seed_of
 from adapt_envs.commands.output import check_output
 from sb3_adaptnet.commands.policy_options import ProgressBar
 from sb3_adaptnet.runs.error_plot import draw_errors
@@ -51,7 +51,7 @@ def _add_eval(actions: Any) -> None:
 
 
 def _add_common(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--seed", type=int, default=0, help="default 0")
+    parser.add_argument("--seed", type=seed_of, default=0, help="default 0")
     parser.add_argument("--threads", type=positive, help="threads of physics and networks; default: all cores")
 
 

@@ -1,15 +1,17 @@
 """Whether a style is coming, seen while it is learned: the style's figures of the mean action now and then."""
 
 import time
+from contextlib import ExitStack
 from typing import Any
 
-from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.vec_env import VecEnv
 
 from adapt_envs import AdaptVectorEnv
 from sb3_adaptnet.evaluation.gait import Gait, clip_gait
 from sb3_adaptnet.evaluation.recording import record_straight, reference_speed
 from sb3_adaptnet.evaluation.style import style_figures, tempo_error_of_base
+from sb3_adaptnet.objectives.weight_average import WeightAverage, WeightAveraging
 from sb3_adaptnet.vec_env import AdaptVecEnv
 
 WORLDS = 8
@@ -57,9 +59,17 @@ class StyleCallback(BaseCallback):
         self._worlds = self._worlds or _StyleWorlds.like(self.training_env, self.model.policy, self.seed)
         self._next = self.num_timesteps + self.samples
         if self._worlds is not None:
-            self._report(self._worlds.measure(self.model.policy))
+            with ExitStack() as averages:  # what will be exported, not the latest weights
+                for average in self._averages():
+                    averages.enter_context(average.acting())
+                self._report(self._worlds.measure(self.model.policy))
             self._last = time.monotonic() - began
             self._spent += self._last
+
+    def _averages(self) -> list[WeightAverage]:
+        given = self.locals.get("callback")
+        callbacks = given.callbacks if isinstance(given, CallbackList) else [given]
+        return [callback.average for callback in callbacks if isinstance(callback, WeightAveraging)]
 
     def _report(self, figures: dict[str, Any]) -> None:
         numbers = {name: float(value) for name, value in figures.items() if isinstance(value, bool | int | float)}

@@ -9,6 +9,8 @@ from sb3_adaptnet.hub.extra import hub_library
 
 WANTED = ("*.safetensors", "*.json", "*.npz", "README.md")
 """Files that acting needs, and nothing that could run: weights, cards and clips."""
+NOT_WANTED = "*/*"
+"""What lies in folders is none of ours."""
 
 
 class HubError(ValueError):
@@ -27,7 +29,8 @@ def download(address: HubAddress) -> Path:
     """
     hub = hub_library()
     try:
-        return Path(hub.snapshot_download(address.repo, revision=address.revision, allow_patterns=list(WANTED)))
+        wanted = {"allow_patterns": list(WANTED), "ignore_patterns": [NOT_WANTED]}
+        return Path(hub.snapshot_download(address.repo, revision=address.revision, **wanted))
     except Exception as error:  # the library's and its HTTP client's kinds have changed from release to release
         raise HubError(f"{address}: {reason(hub, error)}") from error
 

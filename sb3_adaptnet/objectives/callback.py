@@ -239,7 +239,7 @@ class DiscriminatorRewardCallback(BaseCallback):
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Restore what `state_dict` gave; call it after `init_callback`."""
         self.rng.bit_generator.state = state["rng"]
-        if self.imitation is not None:
+        if self.imitation is not None and state["imitation"] is not None:  # an objective may have come since
             self.imitation.load_state_dict(state["imitation"])
 
 

@@ -13,7 +13,7 @@ from sb3_adaptnet.modules.actor import Actor
 from sb3_adaptnet.modules.architecture import OF_BASE, OWN, Architecture, CriticShape
 from sb3_adaptnet.modules.critic import Critic
 from sb3_adaptnet.modules.layers.popart import PopArtHead
-from sb3_adaptnet.policies.optimizer_groups import ACTOR, CRITIC, make_groups
+from sb3_adaptnet.policies.optimizer_groups import ACTOR, CRITIC, keep_moments, make_groups
 from sb3_adaptnet.policies.scaled_adam import ScaledAdam
 from sb3_adaptnet.policies.self_describing import SelfDescribing, pack, unpack
 from sb3_adaptnet.policies.space_contract import action_joints, check_network_fits, has_heightmap
@@ -112,7 +112,7 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
         self.optimizer = make(groups, lr=self._learning_rate, **self.optimizer_kwargs)
 
     def set_objectives(self, weights: Sequence[float]) -> None:
-        """Give the critic one output per weight; a changed number means a fresh head and a fresh optimiser.
+        """Give the critic one output per weight; a changed number means a fresh head, for the optimiser, too.
 
         Raises:
             ValueError: if there are no weights.
@@ -123,7 +123,9 @@ class AssembledPolicy(SelfDescribing, ActorCriticPolicy):
         self.objective_weights, self._objectives_set = tuple(float(weight) for weight in weights), True
         if changed:
             self.critic.set_objectives(len(weights))
+            before = self.optimizer
             self._make_optimizer()
+            keep_moments(self.optimizer, before)
 
     @property
     def num_objectives(self) -> int:

@@ -52,6 +52,21 @@ def restore_moments(optimizer: torch.optim.Optimizer, state: Mapping[str, Any], 
             group["lr_scale"] = scale if size == group["lr"] else size * scale / group["lr"]
 
 
+def keep_moments(optimizer: torch.optim.Optimizer, before: torch.optim.Optimizer) -> None:
+    """Let an optimiser go on with what another one gathered for the same parameters, and with its step sizes.
+
+    Args:
+        optimizer: new, with groups of the same names.
+        before: the other one.
+    """
+    for group in optimizer.param_groups:
+        old = group_named(before, group["name"])
+        group.update({key: old[key] for key in ("lr", "lr_scale") if key in old})
+        for parameter in group["params"]:
+            if parameter in before.state:
+                optimizer.state[parameter] = before.state[parameter]
+
+
 def group_named(optimizer: torch.optim.Optimizer, name: str) -> dict[str, Any]:
     """The parameter group called `name`.
 

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import yaml
+
 from sb3_adaptnet.hub import HubAddress, HubError
 from sb3_adaptnet.hub.base_model import MODEL_CARD
 from sb3_adaptnet.hub.download import reason
@@ -22,7 +24,7 @@ def check_model_card(folder: Path) -> None:
         raise ValueError(f"{folder}: holds no {MODEL_CARD}; make the folder with: adaptnet publish")
     try:
         hub_library().ModelCard.load(file)
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, yaml.YAMLError) as error:
         raise ValueError(f"{file}: the Hub does not read its metadata ({' '.join(str(error).split())})") from error
 
 

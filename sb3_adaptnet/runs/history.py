@@ -35,14 +35,17 @@ def read_rows(path: Path, up_to: float = float("inf")) -> list[Row]:
     if not path.is_file():
         return []
     rows = []
-    with path.open(newline="", encoding="utf-8") as stream:
-        whole = [line for line in stream if line.endswith("\n")]
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            whole = [line for line in stream if line.endswith("\n")]
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path} is not a CSV file: {error}") from error
     for texts in csv.DictReader(whole):
         try:
             row = {name: float(text) for name, text in texts.items() if text}
-        except (TypeError, ValueError):
-            continue
-        if row.get("samples", float("inf")) <= up_to and "samples" in row:
             row["samples"] = int(row["samples"])
+        except (TypeError, ValueError, OverflowError, KeyError):
+            continue
+        if row["samples"] <= up_to:
             rows.append(row)
     return rows

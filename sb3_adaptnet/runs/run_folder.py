@@ -155,6 +155,11 @@ class RunFolder:
         """Write the checkpoint; a kill at any moment leaves the old or the new one whole."""
         write_atomically(self.checkpoint, lambda stream: torch.save(state, stream))
 
+    def remove_parts(self) -> None:
+        """Remove what kills left of checkpoints that were being written; the folder must be held."""
+        for part in self.path.glob(f".{self.checkpoint.name}.*.part"):
+            part.unlink(missing_ok=True)
+
     def load(self) -> dict[str, Any]:
         """Read the checkpoint, tensors and plain values alone (no code runs), into main memory.
 
@@ -165,7 +170,7 @@ class RunFolder:
             raise ValueError(f"{self.path} has no checkpoint yet")
         try:
             state = torch.load(self.checkpoint, map_location="cpu", weights_only=True)
-            int(state["samples"])
+            int(state["samples"]), state["policy"]
             return state
         except Exception as error:  # torch raises many kinds for a cut or foreign file
             raise ValueError(f"{self.checkpoint} is not a checkpoint of this program, or is cut short") from error

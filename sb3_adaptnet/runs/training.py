@@ -125,6 +125,7 @@ def resume(
     """Go on with a run from its last checkpoint, by its own `config.yml`; all states as they were."""
     folder = RunFolder.open(run)
     with held(folder.path):
+        folder.remove_parts()
         state = folder.load()
         changes: dict[str, Any] = {"samples": samples, "device": device, "threads": threads}
         settings = replace(folder.settings, **{name: new for name, new in changes.items() if new is not None})

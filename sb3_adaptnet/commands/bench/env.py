@@ -17,7 +17,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv
 from tqdm import tqdm
 
 from adapt_envs.commands.doctor import processor, usable_cores
-from adapt_envs.commands.numbers import positive
+from adapt_envs.commands.numbers import positive, seed_of
 from adapt_envs.features.heightmap import heightmaps
 from adapt_envs.model.humanoid import PHYSICS_STEPS
 from adapt_envs.registration import env_id, make_vector
@@ -43,7 +43,7 @@ def add_parser(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]"
     parser.add_argument("--id", default=env_id("Walk"), help="environment to measure (default: %(default)s)")
     parser.add_argument("--worlds", type=positive, default=512)
     parser.add_argument("--threads", type=positive, default=usable_cores())
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=seed_of, default=0)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.set_defaults(run=run)
 

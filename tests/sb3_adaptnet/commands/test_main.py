@@ -39,6 +39,14 @@ def test_minutes_are_positive(minutes, capsys):
     assert f"{minutes!r} is not a positive number of minutes" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("seed", ["-1", "4294967296", "one", "1.5"])
+def test_seeds_are_numpys(seed, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["eval", "walk", "--seed", seed])
+    assert end.value.code == 2
+    assert f"{seed!r} is not a seed, a number from 0 to 4294967295" in capsys.readouterr().err
+
+
 def test_a_style_is_named_once(capsys):
     with pytest.raises(SystemExit):
         main(["eval", "walk", "--styles", "walk-stoop=0.3,walk-stoop=0.7"])

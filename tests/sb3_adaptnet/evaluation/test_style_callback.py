@@ -8,11 +8,12 @@ import pytest
 import torch
 from evaluation_cases import STOOP, save_tiny_base
 from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import configure
-from toy_env import ToyVectorEnv
+from toy_env import ToyEnv, ToyVectorEnv
 from toy_zoo import ENTRY, conf, settings
 
-from sb3_adaptnet import AdaptNetPolicy, AdaptVecEnv, DiscriminatorRewardCallback, PretrainPolicy
+from sb3_adaptnet import AdaptNetPolicy, AdaptVecEnv, DiscriminatorRewardCallback, PretrainPolicy, WeightAveraging
 from sb3_adaptnet.evaluation import StyleCallback, style_callback
 from sb3_adaptnet.runs.training import start
 
@@ -52,6 +53,25 @@ def test_at_the_start_an_adaptation_is_measured_as_its_base(tmp_path):
     assert set(callbacks[1].metrics) == set(StyleCallback.columns)
 
 
+class StopAfter(BaseCallback):
+    """Ends training behind a measurement, and keeps the weights of then."""
+
+    def __init__(self, enough):
+        super().__init__()
+        self.enough, self.average, self.latest = enough, [], []
+
+    def _on_rollout_end(self):
+        if self.enough() and not self.average:
+            weights = list(self.model.policy.actor.parameters())
+            self.latest = [weight.detach().clone() for weight in weights]
+            (averaging,) = (one for one in self.locals["callback"].callbacks if isinstance(one, WeightAveraging))
+            with averaging.average.acting():
+                self.average = [weight.detach().clone() for weight in weights]
+
+    def _on_step(self):
+        return not self.average
+
+
 @pytest.fixture
 def clock(monkeypatch):
     """A clock that measuring moves on by 5 s, in worlds that are always visible."""
@@ -88,6 +108,23 @@ def test_measuring_comes_after_so_many_samples_and_takes_its_share_at_most(clock
     callback = Training(clock, samples=samples, share=share)
     model.learn(5 * 64 - 64 * (share == 1.0), callback=[DiscriminatorRewardCallback({"goal": 1.0}), callback])
     assert clock.measured == times
+
+
+def test_the_average_is_measured_where_there_is_one(monkeypatch):
+    measured = []
+
+    def measure(policy):
+        measured.append([weight.detach().clone() for weight in policy.actor.parameters()])
+        return {}
+
+    monkeypatch.setattr(style_callback._StyleWorlds, "like", lambda *_: SimpleNamespace(measure=measure, env=ToyEnv()))
+    model = PPO(PretrainPolicy, AdaptVecEnv(ToyVectorEnv(8)), policy_kwargs=ENTRY["policy_kwargs"], **PPO_SETTINGS)
+    averaging, callback = WeightAveraging(0.9), StyleCallback(samples=64, share=1e9)
+    stop = StopAfter(lambda: len(measured) == 3)
+    model.learn(10**4, callback=[DiscriminatorRewardCallback({"goal": 1.0}), averaging, callback, stop])
+    wanted, latest = stop.average, stop.latest
+    assert all(map(torch.equal, measured[-1], wanted))
+    assert not all(map(torch.equal, measured[-1], latest))
 
 
 def test_what_was_measured_is_in_the_runs_progress(clock, tmp_path):

@@ -12,6 +12,7 @@ from sb3_adaptnet import (
     AdaptNetPolicy,
     PretrainPolicy,
 )
+from sb3_adaptnet.policies.optimizer_groups import ACTOR, set_step_size, step_size
 
 
 def test_setting_the_same_number_of_objectives_keeps_the_critic():
@@ -23,6 +24,24 @@ def test_setting_the_same_number_of_objectives_keeps_the_critic():
     assert policy.optimizer is optimizer
     with pytest.raises(ValueError, match="at least one"):
         policy.set_objectives(())
+
+
+def test_another_number_of_objectives_keeps_what_the_optimiser_gathered(tiny_base):
+    policy = adapt(AdaptNetPolicy, ToyEnv(), tiny_base, actor_lr=5e-6).policy
+    policy.set_objectives((0.5, 0.5))
+    for parameter in policy.parameters():
+        parameter.grad = torch.ones_like(parameter) if parameter.requires_grad else None
+    policy.optimizer.step()
+    set_step_size(policy.optimizer, ACTOR, 2e-6)
+    moments = {id(parameter): state for parameter, state in policy.optimizer.state.items()}
+    policy.set_objectives((0.3, 0.3, 0.4))
+    assert step_size(policy.optimizer, ACTOR) == pytest.approx(2e-6)
+    head = {id(parameter) for parameter in policy.critic.head.parameters()}
+    learned = [parameter for group in policy.optimizer.param_groups for parameter in group["params"]]
+    assert len(learned) > len(head) > 0
+    for parameter in learned:
+        assert policy.optimizer.state.get(parameter) is moments.get(id(parameter))
+        assert (id(parameter) in moments) == (id(parameter) not in head)
 
 
 def test_optimizer_groups_carry_two_learning_rates(tiny_base):

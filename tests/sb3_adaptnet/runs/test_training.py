@@ -348,3 +348,19 @@ def test_a_run_writes_over_nothing_foreign(tmp_path, name):
         RunFolder.new(asked, path)
     assert [file.name for file in path.iterdir()] == [name]
     assert (path / name).read_text() == "mine: {precious: 1}"
+
+
+def test_what_a_kill_left_of_a_checkpoint_goes_with_the_next_resume(tmp_path):
+    folder = start(settings(tmp_path), tmp_path / "run", quiet=True)
+    (folder.path / ".checkpoint.pt.123.part").write_bytes(b"half")
+    resume(folder.path, quiet=True)
+    assert not list(folder.path.glob(".*.part")) and folder.checkpoint.is_file()
+
+
+def test_rows_that_are_none_are_left_out_and_other_files_named(tmp_path):
+    file = tmp_path / "rows.csv"
+    file.write_text("samples,goal\n1,0.5\ninf,1\nnan,1\nx,1\n,1\n2,0.6\n")
+    assert read_rows(file) == [{"samples": 1, "goal": 0.5}, {"samples": 2, "goal": 0.6}]
+    file.write_bytes(b"\x89PNG\r\n\x1a\n")
+    with pytest.raises(ValueError, match="rows.csv is not a CSV file"):
+        read_rows(file)
