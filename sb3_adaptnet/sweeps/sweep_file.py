@@ -17,6 +17,8 @@ KEYS = ("tasks", "seeds", "bits", "overrides", "evaluate", "resources", "minutes
 """Keys of a sweep's file; keys that begin with a dot hold building blocks, as in the zoo."""
 TASK_KEYS = ("id", "name", "seeds", "bits")
 """Keys of a task that are no changes."""
+FILES = ("run", "result")
+"""Stems of the JSON files in a run's folder, which the card of a task's weights must not replace."""
 
 
 @dataclass(frozen=True)
@@ -129,13 +131,22 @@ def _task(where: str, given: Any, usual_seeds: tuple[int, ...], usual_bits: Any)
     if not isinstance(values.get("id"), str):
         raise ValueError(f"{where}: the task {given!r} names no environment; write id: AdaptNet/Humanoid-Stoop-v0")
     env_id = values["id"]
+    usual = short_name(env_id)
+    name = label(f"{where}: the name of {env_id}", values.get("name", f"Humanoid{usual}" if _taken(usual) else usual))
+    if _taken(name):
+        raise ValueError(f"{where}: the name of {env_id} is {name!r}, as a file of every run's folder is called")
     return Task(
-        name=label(f"{where}: the name of {env_id}", values.get("name", short_name(env_id))),
+        name=name,
         env_id=env_id,
         seeds=seeds(f"{where}: seeds of {env_id}", values["seeds"]) if "seeds" in values else usual_seeds,
         bits=one_of(f"{where}: bits of {env_id}", values.get("bits", usual_bits), BITS),
         changes={key: value for key, value in values.items() if key not in TASK_KEYS},
     )
+
+
+def _taken(name: str) -> bool:
+    """Whether the card of weights of this name would lie on another file of a run, also where case does not count."""
+    return name.casefold() in FILES
 
 
 def _overrides(where: str, given: Any) -> dict[str, dict[str, Any]]:

@@ -45,6 +45,15 @@ def test_little_is_enough(tmp_path):
     assert sweep.measurement is None and sweep.resources == Resources()
 
 
+@pytest.mark.parametrize("name", ["run", "Run", "result"])
+def test_no_card_lies_on_a_runs_own_files(tmp_path, name):
+    (task,) = read_sweep(write(tmp_path, "tasks: [AdaptNet/Humanoid-Run-v0]")).tasks
+    assert task.name == "HumanoidRun"
+    text = f"tasks: [{{id: {STOOP}, name: {name}}}]"
+    with pytest.raises(ValueError, match=f"is '{name}', as a file of every run's folder is called"):
+        read_sweep(write(tmp_path, text))
+
+
 def test_short_names():
     ids = ("AdaptNet/Humanoid-IceRun-v0", "my_module:My-Hill-v12", "Walker2d-v5")
     assert [*map(short_name, ids)] == ["IceRun", "My-Hill", "Walker2d"]
