@@ -29,7 +29,7 @@ def state_costs(
     costs = {"tracking": guided.style * tracking, "travel": travel_loss(errors, weights)}
     if weights.goal > 0:
         short = goal_loss(state.position, state.velocity, guided.targets, guided.speeds)
-        costs["goal"] = weights.goal * guided.speeds.clamp(max=1.0) * short
+        costs["goal"] = weights.goal * short
     return costs
 
 

@@ -24,8 +24,7 @@ class TravelWeights:
     Attributes:
         travel: velocity of the root on the ground.
         facing: its heading; with half of it, walking on beside the goal was cheaper than turning.
-        goal: what the task's reward falls short of 1, times the preferred speed [m/s] where that is below 1: who goes
-            slowly falls short by smaller errors. The guide turns like a person; this asks for more, wherever the
+        goal: what the task's reward falls short of 1. The guide turns like a person; this asks for more, wherever the
             character is near enough to what the task wants for it to have a slope.
     """
 

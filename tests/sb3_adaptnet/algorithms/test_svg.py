@@ -9,10 +9,7 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from world_cases import CHARACTER
 
 from sb3_adaptnet import AdaptNetPolicy, AdaptVecEnv
-from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.svg import SVG
-from sb3_adaptnet.algorithms.svg_loss import state_costs
-from sb3_adaptnet.algorithms.tracking.travel_loss import goal_loss
 from sb3_adaptnet.world_model.character import Character
 
 
@@ -119,18 +116,3 @@ def test_the_task_itself_can_be_a_cost(make_svg):
         model.learn(48, log_interval=None)
         names.append({name for name in model.logger.name_to_value if name.startswith("svg/")})
     assert names[1] - names[0] == {"svg/goal"}
-
-
-@pytest.mark.parametrize(("speed", "share"), [(1.4, 1.0), (0.5, 0.5)])
-def test_the_task_costs_slow_characters_less(make_svg, speed, share):
-    svg = make_svg(loss_weights={"goal": 2.0})
-    svg.learn(48, log_interval=None)
-    with torch.no_grad():
-        step = next(iter(imagine(svg._mean_action, svg.world_model.frozen(), svg._rollouts.latest(1)[0])))
-    asked = torch.full_like(step.guided.speeds, speed)
-    cost = state_costs(step.state, step.view, svg.motion, step.guided._replace(speeds=asked), svg.loss_weights.at(0))[
-        "goal"
-    ]
-    short = goal_loss(step.state.position, step.state.velocity, step.guided.targets, asked)
-    assert torch.allclose(cost, 2.0 * share * short)
-    assert float(short.max()) > 0
