@@ -35,8 +35,8 @@ def seconds_of(text: str) -> float:
 
 
 def minutes_of(text: str) -> float:
-    """Parse a positive number of minutes."""
-    return _positive(text, "minutes")
+    """Parse a number of minutes, at least 0."""
+    return 0.0 if text == "0" else _positive(text, "minutes")
 
 
 def speed_of(text: str) -> float:

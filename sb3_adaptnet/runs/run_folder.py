@@ -97,8 +97,8 @@ class RunFolder:
         """Refuse to write over what no run of ours left; a `config.yml` that says just this may be there."""
         if (self.path / DESCRIPTION).exists():
             return
-        there = [file for file in (self.checkpoint, self.progress, self.curve) if file.exists()]
-        if self.config.exists():
+        there = [file for file in (self.checkpoint, self.progress, self.curve) if file.is_file()]
+        if self.config.is_file():
             try:
                 same = yaml.safe_load(self.config.read_text(encoding="utf-8")) == config
             except (yaml.YAMLError, UnicodeDecodeError):

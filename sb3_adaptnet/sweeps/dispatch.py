@@ -93,7 +93,7 @@ def ray_libraries() -> tuple[Any, Any]:
     try:
         return import_module("ray"), import_module("ray.tune")
     except ImportError as error:
-        raise ValueError(f"this needs an optional package ({error}): pip install '.[sweep]'") from error
+        raise ValueError(f"this needs an optional package ({error}): pip install 'adaptnet-gym[sweep]'") from error
 
 
 def _attend_trial(config: Mapping[str, str]) -> None:
