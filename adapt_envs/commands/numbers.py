@@ -3,6 +3,9 @@
 import argparse
 import math
 
+_TINY = math.ulp(0.0)
+"""The smallest positive number."""
+
 
 def positive(text: str) -> int:
     """Parse a positive whole number, also written 2e6."""
@@ -31,24 +34,24 @@ def port_of(text: str) -> int:
 
 def seconds_of(text: str) -> float:
     """Parse a positive number of seconds."""
-    return _positive(text, "seconds")
+    return _at_least(_TINY, text, "a positive number of seconds")
 
 
 def minutes_of(text: str) -> float:
     """Parse a number of minutes, at least 0."""
-    return 0.0 if text == "0" else _positive(text, "minutes")
+    return _at_least(0.0, text, "a number of minutes, at least 0")
 
 
 def speed_of(text: str) -> float:
     """Parse a positive number of metres per second."""
-    return _positive(text, "metres per second")
+    return _at_least(_TINY, text, "a positive number of metres per second")
 
 
-def _positive(text: str, units: str) -> float:
+def _at_least(least: float, text: str, what: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        value = 0.0
-    if not (value > 0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of {units}")
+        value = math.nan
+    if not least <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not {what}")
     return value

@@ -74,12 +74,12 @@ class Retries:
             if tried is not None:
                 self._wait(tried._replace(successes=0))
             elif self._past:
-                latest = max(BACK[0], self._steps_to_its_target(world))
-                moment = self._past[-min(int(back), latest, len(self._past))]
+                most = max(BACK[0], self._steps_since_its_target(world))
+                moment = self._past[-min(int(back), most, len(self._past))]
                 self._wait(_Waiting(moment.of(np.array([world]))))
             self._tried[world] = None
 
-    def _steps_to_its_target(self, world: int) -> int:
+    def _steps_since_its_target(self, world: int) -> int:
         """For how many of the steps that were watched a world has had its target."""
         latest = self._past[-1].target[world]
         same = (bool((now.target[world] == latest).all()) for now in reversed(self._past))
