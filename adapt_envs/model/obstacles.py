@@ -106,7 +106,7 @@ class Obstacles:
         return np.column_stack(columns).astype(np.float32)
 
     def stand_on(self, ground: NDArray[np.floating], lowest: float) -> None:
-        """Lift the blocks by the heights (B,) [m] of the ground below them; `lowest` [m] is its lowest point anywhere."""
+        """Lift the blocks by the heights (B,) [m] of the ground below them; `lowest` [m] is its lowest point."""
         self.top, self.bottom = self.top + ground, min(_BOTTOM, lowest + _BOTTOM)
         self.__dict__.pop("_table", None)
 
