@@ -65,7 +65,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo and say where its page is."""
-    options.output.mkdir(parents=True, exist_ok=True)
     if options.base == "walk" and "walk" not in pretrained_names():
         page = show_motions(options.output, options.style, options.film)
     else:
@@ -232,6 +231,7 @@ def playground() -> list[str]:
 
 def show_motions(output: Path, style: str, seconds: float) -> Path:
     """Without a pretrained walk: the motions that would be learned, as pictures; return the page."""
+    output.mkdir(parents=True, exist_ok=True)
     print("there is no pretrained walk yet (assets/pretrained/walk.safetensors): showing the motions instead;")
     print("train one with: adaptnet train AdaptNet/Humanoid-Walk-v0")
     blocks = []

@@ -79,19 +79,29 @@ class RunFolder:
         Raises:
             ValueError: if the path holds a run already, or there is no entry for what it shall train on.
         """
-        entry = read_entry(conf_path(settings.conf_file or settings.algo), settings.env_id)
         folder = cls(Path(path), settings)
-        if cls.has_begun(folder.path):
-            raise ValueError(f"{folder.path} holds a run already; continue it with --resume {folder.path}")
-        folder._refuse_foreign({settings.env_id: entry})
+        config = folder.check_free()
         folder.path.mkdir(parents=True, exist_ok=True)
         if settings.motion is not None and not ships(settings.motion):
             load_clip(settings.motion).save(folder.motion)
             settings = replace(settings, motion=str(folder.motion))
         folder.write_settings(settings)
-        config = yaml.safe_dump({settings.env_id: entry}, sort_keys=False)
-        write_atomically(folder.config, lambda stream: stream.write(config.encode()))
+        text = yaml.safe_dump(config, sort_keys=False)
+        write_atomically(folder.config, lambda stream: stream.write(text.encode()))
         return folder
+
+    def check_free(self) -> dict[str, Any]:
+        """What a new run's `config.yml` says: the entry of the zoo by its id; nothing is written.
+
+        Raises:
+            ValueError: if the path holds a run already, or something else, or there is no entry.
+        """
+        settings = self.settings
+        config = {settings.env_id: read_entry(conf_path(settings.conf_file or settings.algo), settings.env_id)}
+        if self.has_begun(self.path):
+            raise ValueError(f"{self.path} holds a run already; continue it with --resume {self.path}")
+        self._refuse_foreign(config)
+        return config
 
     def _refuse_foreign(self, config: dict[str, Any]) -> None:
         """Refuse to write over what no run of ours left; a `config.yml` that says just this may be there."""

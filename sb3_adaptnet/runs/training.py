@@ -17,7 +17,7 @@ from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.experiment import ALGORITHMS, Experiment, experiment
-from sb3_adaptnet.runs.lock import clear, held
+from sb3_adaptnet.runs.lock import clear, held, is_locked
 from sb3_adaptnet.runs.progress import METRICS, Measuring, RunProgress
 from sb3_adaptnet.runs.run_folder import RunFolder, RunSettings, next_path
 from sb3_adaptnet.runs.saver import RunSaver, Stateful
@@ -108,11 +108,13 @@ def start(
         anew: whether what is in the folder is removed, once nothing speaks against the training.
         **options: `learn`'s.
     """
+    path = Path(run_dir) if run_dir is not None else next_path(settings.env_id)
+    if not anew and not is_locked(path):  # so that a refusal leaves no lock there
+        RunFolder(path, settings).check_free()
     learner = build_learner(settings)
     learner.others.extend(callbacks)
     if isinstance(learner.model.policy, PolicyFromBase):
         learner.model.policy.check_files_found()
-    path = Path(run_dir) if run_dir is not None else next_path(settings.env_id)
     with held(path):
         if anew:
             clear(path)

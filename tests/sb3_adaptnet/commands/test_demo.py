@@ -46,6 +46,11 @@ def test_time_too_short_for_one_rollout_is_one_sentence(tmp_path, capsys):
     assert "0 minutes are too few" in capsys.readouterr().err and not (output / "index.html").exists()
 
 
+def test_a_refusal_leaves_no_folder(tmp_path, capsys):
+    assert main(["demo", "--base", "nobody", "-o", str(tmp_path / "demo")]) == 2
+    assert "nobody" in capsys.readouterr().err and not (tmp_path / "demo").exists()
+
+
 def test_an_earlier_training_stays_until_the_next_one_can_begin(tmp_path, capsys):
     base, output = save_tiny_base(tmp_path), tmp_path / "demo"
     earlier, other = output / demo.TRAINING, output / "training"

@@ -345,7 +345,7 @@ def test_a_run_writes_over_nothing_foreign(tmp_path, name):
     path.mkdir()
     (path / name).write_text("mine: {precious: 1}")
     with pytest.raises(ValueError, match=f"holds {name} but no run.json of a run; choose another folder"):
-        RunFolder.new(asked, path)
+        start(asked, path, quiet=True)
     assert [file.name for file in path.iterdir()] == [name]
     assert (path / name).read_text() == "mine: {precious: 1}"
 
