@@ -108,13 +108,14 @@ def start(
         anew: whether what is in the folder is removed, once nothing speaks against the training.
         **options: `learn`'s.
     """
-    path = Path(run_dir) if run_dir is not None else next_path(settings.env_id)
-    if not anew and not is_locked(path):  # so that a refusal leaves no lock there
-        RunFolder(path, settings).check_free()
+    named = None if run_dir is None else Path(run_dir)
+    if named is not None and not (anew or is_locked(named)):  # so that a refusal leaves no lock there
+        RunFolder(named, settings).check_free()
     learner = build_learner(settings)
     learner.others.extend(callbacks)
     if isinstance(learner.model.policy, PolicyFromBase):
         learner.model.policy.check_files_found()
+    path = named or next_path(settings.env_id)
     with held(path):
         if anew:
             clear(path)

@@ -32,7 +32,7 @@ def test_bad_input_gives_one_sentence(words, message, capsys, tmp_path, monkeypa
 
 
 @pytest.mark.parametrize("minutes", ["nan", "inf", "-1", "soon"])
-def test_minutes_are_positive(minutes, capsys):
+def test_minutes_are_finite_and_not_negative(minutes, capsys):
     with pytest.raises(SystemExit) as end:
         main(["train", "AdaptNet/Humanoid-Stoop-v0", "--minutes", minutes])
     assert end.value.code == 2
