@@ -81,6 +81,12 @@ class Goals:
         self.steps_left -= 1
         return (self.steps_left <= 0) | ~np.isnan(self.held_heading)
 
+    @property
+    def shortened(self) -> NDArray[np.bool_]:
+        """(N,) whether a goal is held, and nearer than asked: the ground ends, so it no longer lies straight ahead."""
+        held = ~np.isnan(self.held_heading)
+        return held & (self.distance < self.held_speed * self.timer_range[1] - 1e-3)
+
     def sample(
         self,
         ids: NDArray[np.integer],

@@ -79,7 +79,9 @@ def gait_of(
     feet = [links[:, _FEET] for links in stretches]
     clearance = [clearances(foot, corners, floor_at) for foot in feet]
     heights = [foot_heights(*pair, floor_at) for pair in zip(feet, clearance, strict=True)]
-    places = [local_positions(links)[:, _FEET].reshape(len(links), -1) for links in stretches]
+    places = [
+        local_positions(links, floor_at(links[:, 0, :2]))[:, _FEET].reshape(len(links), -1) for links in stretches
+    ]
     strides_per_second = cadence(places, looped)
     return Gait(
         cadence_hz=strides_per_second,

@@ -179,12 +179,13 @@ def _run(
         actions, _ = policy.predict(observations, deterministic=True)
         target = worlds.goals.target.copy()
         observations, rewards[step], terminated, truncated, infos = env.step(actions)
-        restarts[step] = terminated | truncated
+        ended = terminated | truncated
         targets.note(target, worlds.root_xy, (worlds.goals.target != target).any(axis=1))
-        if restarts[step].any():
-            ids = np.flatnonzero(restarts[step])
+        if ended.any():
+            ids = np.flatnonzero(ended)
             ends.update(infos["final_info"]["end"][ids])
             on_restart(ids)
+        restarts[step] = ended | worlds.goals.shortened  # at a border of the ground nobody goes straight ahead
         qpos[step + 1], links[step + 1], floor[step + 1] = _state(env)
     return Recording(qpos, links, floor, restarts, rewards, ends, targets.count, targets.reached)
 

@@ -31,6 +31,8 @@ LEAST_FLIGHT = 0.05
 """Flight share of a clip from which flights belong to its style."""
 MOST_ERROR = 0.5
 """Tempo-bounded error of a visible style over its base's, at most."""
+SPEED_RANGE = (0.75, 1.25)
+"""Where its speed over the one that it is asked for must lie: who marches on the spot has all else."""
 
 
 @dataclass(frozen=True)
@@ -114,11 +116,12 @@ def style_figures(
     found = gait_of(stretches, sole_corners(env.worlds.model), env.worlds.ground.floor_at)
     matched = matches(straight, clip, BOUNDED, body)
     error = mean_error(matched).mean
-    failed = failed_tests(found, expected, error, base_error) if is_style(clip) else ()
+    speed = speed_of(stretches)
+    failed = failed_tests(found, expected, error, base_error, speed, asked) if is_style(clip) else ()
     return StyleFigures(
         visible=False if failed else True if is_style(clip) and base_error is not None else None,
         failed_tests=failed,
-        speed_m_s=rounded(speed_of(stretches)),
+        speed_m_s=rounded(speed),
         asked_speed_m_s=rounded(asked),
         cadence_hz=rounded(found.cadence_hz),
         clip_cadence_hz=rounded(expected.cadence_hz),
@@ -138,7 +141,9 @@ def speed_of(stretches: Sequence[NDArray[np.float32]]) -> float | None:
     return sum(ways) / (CONTROL_DT * sum(len(links) - 1 for links in stretches)) if stretches else None
 
 
-def failed_tests(found: Gait, clip: Gait, error: float | None, base_error: float | None) -> tuple[str, ...]:
+def failed_tests(
+    found: Gait, clip: Gait, error: float | None, base_error: float | None, speed: float | None, asked: float
+) -> tuple[str, ...]:
     """Which tests of a visible style fail, in words; a test without a clip's or a base's figure is left out.
 
     Args:
@@ -146,6 +151,8 @@ def failed_tests(found: Gait, clip: Gait, error: float | None, base_error: float
         clip: its clip's.
         error: the policy's tempo-bounded error [m].
         base_error: its base's.
+        speed: how fast the policy gets ahead [m/s].
+        asked: how fast it shall [m/s].
     """
     flight = clip.flight_share if (clip.flight_share or 0) > LEAST_FLIGHT else None
     most = (0.0, MOST_ERROR)
@@ -154,6 +161,7 @@ def failed_tests(found: Gait, clip: Gait, error: float | None, base_error: float
         ("foot height", found.foot_height_m, clip.foot_height_m, "{:.2f} m", "the clip's", FOOT_HEIGHT_RANGE),
         ("flight share", found.flight_share, flight, "{:.0%}", "the clip's", FLIGHT_RANGE),
         ("tempo error", error, base_error, "{:.3f} m", "the base's", most),
+        ("speed", speed, asked, "{:.2f} m/s", "what is asked for", SPEED_RANGE),
     )
     return tuple(words for test in tests if (words := _complaint(*test)))
 

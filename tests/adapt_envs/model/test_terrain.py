@@ -146,6 +146,17 @@ def test_a_goal_is_found_even_from_beyond_the_corner():
     assert np.allclose(target, ground.patches.centres_1d[-1] + PATCH / 2 - INSET)
 
 
+def test_a_held_goal_that_the_ground_cuts_short_says_so():
+    goals = make_vector(env_id("TerrainHills"), 2, num_threads=1).worlds.goals
+    edge = goals.ground.patches.half - INSET
+    at, ids = np.array([[0.0, 0.0], [edge - 2.0, 0.0]]), np.arange(2)
+    goals.sample(ids, at, np.zeros(2), np.random.default_rng(0))
+    assert not goals.shortened.any()  # random ones are as near as they like
+    goals.hold(ids, 0.0, 1.5)
+    goals.sample(ids, at, np.zeros(2), np.random.default_rng(0))
+    assert goals.shortened.tolist() == [False, True]
+
+
 def test_held_goals_stay_on_the_terrain():
     env = make_vector(env_id("TerrainHills"), 16)
     env.reset(seed=0, options={"goal_heading": 0.3, "goal_speed": 1.5})

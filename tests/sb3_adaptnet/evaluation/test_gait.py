@@ -50,6 +50,19 @@ def test_a_style_steps_once_a_period(name):
     assert clip_gait(clip, 1.0).cadence_hz == pytest.approx(FPS / clip.period, rel=1e-3)
 
 
+def test_hills_under_an_uneven_gait_do_not_change_its_cadence():
+    clip, rng = load_clip("JauntySkip"), np.random.default_rng(1)
+    steps = np.repeat(rng.uniform(0.9, 1.1, 12), clip.period)[: 9 * clip.period]  # strides that differ in length
+    links = recording_of(clip.at(np.round(np.cumsum(steps)).astype(int))).links[:, 0]
+
+    def hills(points):
+        return (0.5 * np.sin(0.9 * points[..., 0])).astype(points.dtype)
+
+    expected = gait_of([links]).cadence_hz
+    links[..., 2] += hills(links[:, :1, :2])
+    assert gait_of([links], floor_at=hills).cadence_hz == pytest.approx(expected)
+
+
 def test_a_clip_played_back_has_its_own_gait():
     clip = load_clip("JauntySkip")
     links = recording_of(clip.at(np.arange(5, 5 + 6 * clip.period))).links[:, 0]

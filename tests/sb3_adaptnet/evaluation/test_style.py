@@ -59,6 +59,16 @@ def test_the_clip_at_double_tempo_is_not_visible(worlds, goose):
     assert found.speed_m_s == pytest.approx(2 * found.asked_speed_m_s, rel=0.03)
 
 
+def test_the_clip_on_the_spot_is_not_visible(worlds, goose):
+    qpos = goose.at(FRAMES)
+    qpos[:, :2] = 0
+    found = style_figures(worlds, recording_of(qpos), BASE_ERROR)
+    assert found.visible is False and found.tempo_error_m == pytest.approx(0, abs=1e-4)
+    assert found.failed_tests == (
+        f"speed 0.00 m/s: what is asked for is {found.asked_speed_m_s:.2f} m/s, 0.75 to 1.25 of it wanted",
+    )
+
+
 def test_the_clip_with_its_kicks_cut_off_is_not_visible(worlds, goose):
     whole = recording_of(goose.at(FRAMES))
     links = whole.links.copy()
@@ -118,7 +128,7 @@ def test_who_never_stays_up_shows_nothing(worlds, goose):
         and found.speed_m_s is found.cadence_hz is found.tempo_error_m is found.world_error_m is None
     )
     assert [test.split(":")[0] for test in found.failed_tests] == [
-        "cadence none", "foot height none", "tempo error none",
+        "cadence none", "foot height none", "tempo error none", "speed none",
     ]  # fmt: skip
 
 
@@ -140,8 +150,14 @@ def test_an_adaptation_that_was_merged_has_no_base_to_measure(tmp_path):
     (1.0, 0.53, 0.1, 0.05, 1), (1.0, 0.4, 0.04, 0.05, 1), (1.0, 0.4, 0.16, 0.05, 1), (1.16, 0.2, 0.3, 0.08, 4),
 ])  # fmt: skip
 def test_the_bounds_of_the_tests(cadence, height, flight, error, count):
-    assert len(failed_tests(Gait(cadence, height, flight), Gait(1.0, 0.4, 0.1), error, 0.15)) == count
-    assert len(failed_tests(Gait(1.0, 0.4, flight), Gait(1.0, 0.4, 0.05), 0.01, 0.15)) == 0
+    assert len(failed_tests(Gait(cadence, height, flight), Gait(1.0, 0.4, 0.1), error, 0.15, 0.9, 1.0)) == count
+    assert len(failed_tests(Gait(1.0, 0.4, flight), Gait(1.0, 0.4, 0.05), 0.01, 0.15, 0.9, 1.0)) == 0
+
+
+@pytest.mark.parametrize(("speed", "count"), [(0.61, 0), (0.99, 0), (0.59, 1), (1.01, 1), (None, 1)])
+def test_a_style_gets_ahead_as_fast_as_it_shall(speed, count):
+    same = Gait(1.0, 0.4, 0.1)
+    assert len(failed_tests(same, same, 0.01, 0.15, speed, 0.8)) == count
 
 
 # ---- tempo and world ---------------------------------------------------------------------------------------------
