@@ -5,7 +5,7 @@ seconds on one core for each pane, a film ten times as long.
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -77,17 +77,23 @@ def _beneath(pairs: tuple[tuple[str, str], ...]) -> tuple[Pane, ...]:
     return (*bases, *(Pane(f"{base}-{name.lower()}", name) for base, name in pairs))
 
 
+def _stacks(rows: Mapping[str, tuple[str, ...]]) -> tuple[Stack, ...]:
+    """A row of styles for each body or ground."""
+    pairs = [(style, world) for world, styles in rows.items() for style in styles]
+    return tuple(Stack(*(f"walk-{name.lower()}" for name in pair)) for pair in pairs)
+
+
 STYLES = ("Stoop", "Penguin", "Stomp", "Kicking", "GooseStep", "JauntySkip", "Swaggering", "Sashay", "Limp", "Pace",
           "Strutting", "Joyful")  # fmt: skip
 BODIES = (("walk", "LongShinsWalk"), ("walk", "LongThighsWalk"), ("walk", "SuperLongLegsWalk"), ("run", "LongShins"),
           ("run", "LongThighs"))  # fmt: skip
 LOCKS = (("walk", "LockedRightKneeWalk"), ("walk", "LockedAnklesWalk"), ("run", "LockedRightKnee"))
 GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "TerrainRugged"), ("walk", "Obstacles"))
-STACKS = (("Stomp", "LongBody"), ("Penguin", "LongBody"), ("Kicking", "LongBody"), ("JauntySkip", "LongBody"),
-          ("Stoop", "BigBody"), ("Kicking", "BigBody"), ("Pace", "BigBody"), ("Joyful", "BigBody"),
-          ("Stomp", "LongThighs"), ("Penguin", "LongThighs"), ("Strutting", "LongThighs"),
-          ("Joyful", "LongThighs"), ("Penguin", "Ice"), ("Stomp", "Ice"), ("Limp", "Ice"),
-          ("Pace", "Ice"))  # fmt: skip
+STACKS = {
+    "LongBodyWalk": ("Stoop", "Stomp", "Strutting", "Joyful"),
+    "BigBodyWalk": ("Penguin", "Kicking", "GooseStep", "JauntySkip"),
+    "LongThighsWalk": ("Stoop", "Penguin", "Swaggering", "Sashay"),
+}
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
     "styles": Picture(tuple(Pane(f"walk-{name.lower()}", name) for name in STYLES), 4, 180),
@@ -95,7 +101,7 @@ PICTURES = {
     "locks": Picture(_beneath(LOCKS), len(LOCKS)),
     "ice": Picture(_beneath(GROUNDS[:1]), 2),
     "terrain": Picture(_beneath(GROUNDS[1:]), 3),
-    "stacks": Picture(tuple(Stack(f"walk-{a.lower()}", f"walk-{b.lower()}walk") for a, b in STACKS), 4, 180),
+    "stacks": Picture(_stacks(STACKS), 4, 180),
     "pushes": Picture((Pane("walk-pushwalk", "PushWalk"), Pane("run-pushrun", "PushRun")), 2),
 }
 """File -> what it shows."""

@@ -17,9 +17,9 @@ CYCLE = 20.0
 def main() -> None:
     """Walk straight ahead; set the blend at every step."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--styles", nargs=2, default=["walk-stoop", "walk-penguin"], help="adaptations of one base")
+    parser.add_argument("--styles", nargs=2, default=["walk-strutting", "walk-joyful"], help="adaptations of one base")
     parser.add_argument("--steps", type=int, default=600, help="control steps of 1/30 s")
-    parser.add_argument("--speed", type=float, default=0.9, help="preferred speed [m/s]")
+    parser.add_argument("--speed", type=float, default=1.0, help="preferred speed [m/s]")
     parser.add_argument("--window", action="store_true", help="open a window")
     options = parser.parse_args()
 

@@ -7,7 +7,7 @@ import { speedsOf, STRONGEST, WEAKEST, type Wishes } from "./wishes";
 const TRIES: [string, string][] = [
   ["Stoop", "#base=walk&walk-stoop=1&compare"],
   ["Goose step", "#base=walk&walk-goosestep=1"],
-  ["Half stoop, half penguin", "#base=walk&walk-stoop=0.5&walk-penguin=0.5"],
+  ["Half strut, half joyful", "#base=walk&walk-strutting=0.5&walk-joyful=0.5"],
   ["On ice", "#base=walk&ground=ice&walk-icewalk=1&compare"],
   ["Over hills", "#base=walk&ground=hills&walk-terrainhills=1"],
   ["Among blocks", "#base=walk&ground=blocks&walk-obstacles=1"],

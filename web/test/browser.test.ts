@@ -269,7 +269,7 @@ describe.skipIf(!CHROMIUM)("the page", () => {
     ["blocks", "#ground=blocks&walk-obstacles=1"],
     ["ice", "#ground=ice&walk-icewalk=1&compare"],
     ["longshins", "#base=run&body=long_shins&run-longshins=1&compare"],
-    ["blend", "#walk-stoop=0.5&walk-penguin=0.5"],
+    ["blend", "#walk-strutting=0.5&walk-joyful=0.5"],
   ])("%s: the adapted character walks there", async (name, hash) => {
     const visited = await visit(site, hash, DESKTOP);
     const before = await state(visited);
