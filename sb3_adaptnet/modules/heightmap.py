@@ -35,9 +35,12 @@ class HeightmapEncoder(nn.Module):
 
     def forward(self, heightmap: torch.Tensor) -> torch.Tensor:
         """Encode heights (B, 1, 35, 35) [m, relative to the ground under the root] as (B, 256)."""
-        if heightmap.device.type != "cpu" or not torch.is_autocast_enabled("cpu"):
+        half = torch.is_autocast_enabled("cpu")
+        if heightmap.device.type != "cpu" or not (half or torch.is_grad_enabled()):
             return self.layers(heightmap)
-        grid = heightmap.permute(0, 2, 3, 1).to(torch.get_autocast_dtype("cpu"))
+        grid = heightmap.permute(0, 2, 3, 1)
+        if half:
+            grid = grid.to(torch.get_autocast_dtype("cpu"))
         for layer in self.layers:
             if isinstance(layer, nn.Conv2d):
                 grid = relu_conv(grid, layer)

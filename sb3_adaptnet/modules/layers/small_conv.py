@@ -1,8 +1,8 @@
-"""Convolutions over small grids as matrix products of patches, with ReLU6: on a CPU with bf16 faster than nn.Conv2d.
+"""Convolutions over small grids as matrix products of patches, with ReLU6: on a CPU faster than nn.Conv2d.
 
 A heightmap's grids have 7x7 points and fewer, where the library's convolutions spend their time on layout instead of
-products. Here channels come last, a layer is one product of its patches (B x points, kernel^2 x channels), and the
-backward pass adds the patches' gradients back point by point.
+products: in bfloat16 both ways, in float32 in the backward pass. Here channels come last, a layer is one product of its
+patches (B x points, kernel^2 x channels), and the backward pass adds the patches' gradients back point by point.
 """
 
 from typing import Any
