@@ -1,4 +1,4 @@
-"""The heightmap encoder, in both precisions."""
+"""The heightmap encoder, in both precisions, against torch's convolutions."""
 
 import torch
 
@@ -10,10 +10,22 @@ def test_heightmap_encoder_makes_256_numbers():
     assert code.shape == (3, 256)
 
 
+def test_heightmap_codes_that_are_learned_from_are_those_that_act():
+    torch.manual_seed(0)
+    encoder, heights = HeightmapEncoder(), torch.randn(64, 1, 35, 35)
+    learned, theirs = encoder(heights), encoder.layers(heights)
+    with torch.no_grad():
+        acting = encoder(heights)
+    assert (acting > 0).any() and not acting.requires_grad
+    torch.testing.assert_close(learned, acting)
+    found, wanted = (torch.autograd.grad(code.square().sum(), list(encoder.parameters())) for code in (learned, theirs))
+    torch.testing.assert_close(found, wanted)
+
+
 def test_heightmap_codes_in_bfloat16_are_near_those_in_float32():
     torch.manual_seed(0)
     encoder, heights = HeightmapEncoder(), torch.randn(64, 1, 35, 35)
-    exact = encoder(heights)
+    exact = encoder.layers(heights)
     with torch.autocast("cpu", torch.bfloat16):
         short = encoder(heights)
     assert short.dtype == torch.bfloat16
