@@ -136,7 +136,7 @@ class AdaptEnv(Adjustable, gym.Env[Observations, NDArray[Any]]):
 
     @property
     def tracking(self) -> float:
-        """In (0, 1]: how near the last pose was to the motion at its own tempo, 0 if it holds no gait."""
+        """In (0, 1]: how near the last pose was to the motion at its own tempo; `MotionError` without a gait."""
         return float(self.worlds.tracking[0])
 
     @property

@@ -210,7 +210,7 @@ class AdaptVectorEnv(Adjustable, StateAccess, gym.vector.VectorEnv[Observations,
 
     @property
     def tracking(self) -> NDArray[np.float64]:
-        """(N,) in (0, 1]: how near the last poses were to the motion at its own tempo, 0 if it holds no gait."""
+        """(N,) in (0, 1]: how near the last poses were to the motion at its own tempo; `MotionError` without a gait."""
         return self.worlds.tracking
 
     @property

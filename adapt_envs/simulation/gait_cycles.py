@@ -25,13 +25,22 @@ def gaits_at(reference: ReferenceMotion, speeds: Sequence[float]) -> list[Refere
 
 
 def gait_cycles(reference: ReferenceMotion, speed_range: tuple[float, float]) -> list[GaitCycle]:
-    """What `GaitClocks` follow where preferred speeds are within a range [m/s]; none if the motion holds no gait."""
-    gaits = [reference]
-    if not reference.clips[0].cyclic:
-        slow, fast = speed_range
+    """What `GaitClocks` follow where preferred speeds are within a range [m/s].
+
+    Raises:
+        MotionError: if the motion holds no gait.
+    """
+    slow, fast = speed_range
+    clip = reference.clips[0]
+    try:
         count = 1 + math.ceil(math.log(fast / slow) / math.log(SPEED_STEP))
-        try:
-            gaits = gaits_at(reference, np.geomspace(slow, fast, count).tolist())
-        except MotionError:
-            return []
-    return [GaitCycle(gait.poses[..., :3], gait.speed) for gait in gaits if gait.speed >= STANDING]
+        gaits = [reference] if clip.cyclic else gaits_at(reference, np.geomspace(slow, fast, count).tolist())
+    except MotionError:
+        gaits = []
+    cycles = [GaitCycle(gait.poses[..., :3], gait.speed) for gait in gaits if gait.speed >= STANDING]
+    if not cycles:
+        raise MotionError(
+            f"motion {clip.name!r} holds no gait at {slow:.2f} to {fast:.2f} m/s, so it has no tempo to track; "
+            f"leave the objective 'tracking' out"
+        )
+    return cycles

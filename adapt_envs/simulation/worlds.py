@@ -107,11 +107,10 @@ class Worlds:
 
     @property
     def tracking(self) -> NDArray[np.float64]:
-        """(N,) how near the last step was to the motion at its own tempo, in (0, 1]; see `tracking_reward`.
+        """(N,) how near the last step was to the motion at its own tempo, in (0, 1]: `tracking_reward`, from now on.
 
-        Of a motion of minutes it is a gait cycle cut out of it, the one nearest to the preferred speed. What is
-        followed begins at the first reading, with the nearest frames. 0 if the motion holds no gait. Within 0.5 m of
-        the target, where the task is done and one may stand, it stays as it was on arrival: to arrive costs nothing.
+        Of a motion of minutes the gait cycle nearest to the preferred speed counts. It begins with the nearest frames,
+        and within 0.5 m of the target, where one may stand, it stays as on arrival. A `MotionError` if it has no gait.
         """
         if self._clocks is None:
             self._clocks = GaitClocks(gait_cycles(self.reference, self.goals.speed_range), len(self._all))

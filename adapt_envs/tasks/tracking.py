@@ -124,7 +124,7 @@ class GaitClocks:
     """
 
     def __init__(self, cycles: Sequence[GaitCycle], num_worlds: int) -> None:
-        """Clocks before their first `restart`; without any cycle all rewards are 0."""
+        """Clocks before their first `restart`, of one cycle or more."""
         self._clocks = [PhaseClock(*cycle, num_worlds) for cycle in cycles]
         self._pace = np.log([cycle.speed for cycle in cycles])
 
@@ -147,8 +147,6 @@ class GaitClocks:
 
     def _followers(self, speeds: NDArray[np.floating]) -> list[NDArray[np.bool_]]:
         """Who (N,) follows each cycle."""
-        if not self._clocks:
-            return []
         nearest = np.abs(np.log(speeds)[:, None] - self._pace).argmin(axis=1)
         return [nearest == number for number in range(len(self._clocks))]
 
