@@ -30,17 +30,13 @@ def gait_cycles(reference: ReferenceMotion, speed_range: tuple[float, float]) ->
     Raises:
         MotionError: if the motion holds no gait.
     """
-    slow, fast = speed_range
     clip = reference.clips[0]
-    try:
+    if not clip.cyclic:
+        slow, fast = speed_range
         count = 1 + math.ceil(math.log(fast / slow) / math.log(SPEED_STEP))
-        gaits = [reference] if clip.cyclic else gaits_at(reference, np.geomspace(slow, fast, count).tolist())
-    except MotionError:
-        gaits = []
-    cycles = [GaitCycle(gait.poses[..., :3], gait.speed) for gait in gaits if gait.speed >= STANDING]
-    if not cycles:
-        raise MotionError(
-            f"motion {clip.name!r} holds no gait at {slow:.2f} to {fast:.2f} m/s, so it has no tempo to track; "
-            f"leave the objective 'tracking' out"
-        )
-    return cycles
+        gaits = gaits_at(reference, np.geomspace(slow, fast, count).tolist())
+    elif reference.speed < STANDING:
+        raise MotionError(f"clip {clip.name!r} holds no gait cycle: it stands still")
+    else:
+        gaits = [reference]
+    return [GaitCycle(gait.poses[..., :3], gait.speed) for gait in gaits]

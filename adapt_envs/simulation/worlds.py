@@ -107,10 +107,10 @@ class Worlds:
 
     @property
     def tracking(self) -> NDArray[np.float64]:
-        """(N,) how near the last step was to the motion at its own tempo, in (0, 1]: `tracking_reward`, from now on.
+        """(N,) how near the last step was to the motion at its own tempo, in (0, 1]; see `tracking_reward`.
 
-        Of a motion of minutes the gait cycle nearest to the preferred speed counts. It begins with the nearest frames,
-        and within 0.5 m of the target, where one may stand, it stays as on arrival. A `MotionError` if it has no gait.
+        Of a motion of minutes the gait cycle nearest to the preferred speed counts; what holds none is a `MotionError`.
+        The first reading begins with the nearest frames. Within 0.5 m of the target it stays as it was: one may stand.
         """
         if self._clocks is None:
             self._clocks = GaitClocks(gait_cycles(self.reference, self.goals.speed_range), len(self._all))

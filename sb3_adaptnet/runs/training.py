@@ -14,6 +14,7 @@ from stable_baselines3.common.logger import configure
 
 from sb3_adaptnet.objectives.attribute_ramp import AttributeRamp
 from sb3_adaptnet.objectives.callback import DiscriminatorRewardCallback
+from sb3_adaptnet.objectives.reward_terms import check_terms
 from sb3_adaptnet.policies.from_base import PolicyFromBase
 from sb3_adaptnet.runs.curve import draw_curve
 from sb3_adaptnet.runs.experiment import ALGORITHMS, Experiment, experiment
@@ -115,6 +116,8 @@ def start(
     learner.others.extend(callbacks)
     if isinstance(learner.model.policy, PolicyFromBase):
         learner.model.policy.check_files_found()
+    if learner.discriminators is not None:
+        check_terms(learner.discriminators.objectives, learner.vec_env)
     path = named or next_path(settings.env_id)
     with held(path):
         if anew:

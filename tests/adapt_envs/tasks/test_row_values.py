@@ -104,7 +104,7 @@ def test_a_motion_that_stands_still_needs_speeds(tmp_path):
         make_vector(env_id("Style"), 1, motion=str(file))
     env = make_vector(env_id("Style"), 1, motion=file, speed_range=(0.5, 1.0))
     env.reset(seed=0)
-    with pytest.raises(MotionError, match="'idle' holds no gait"):
+    with pytest.raises(MotionError, match="'idle' holds no gait cycle: it stands still"):
         _ = env.tracking
 
 

@@ -182,6 +182,13 @@ def test_a_run_without_its_start_leaves_nothing(tmp_path, tiny_base, capsys):
     assert "nosuch.safetensors" in capsys.readouterr().err and not (tmp_path / "run").exists()
 
 
+def test_a_run_whose_worlds_lack_an_objective_leaves_nothing(tmp_path, capsys):
+    objectives = {"sb3_adaptnet.DiscriminatorRewardCallback": {"objective_weights": {"goal": 0.5, "footing": 0.5}}}
+    words = ["train", TOY, "--conf-file", conf(tmp_path, callback=[objectives])]
+    assert main([*words, "--run-dir", str(tmp_path / "run")]) == 2
+    assert "'footing' needs environments with" in capsys.readouterr().err and not (tmp_path / "run").exists()
+
+
 def test_a_run_can_be_resumed_from_its_first_moment(tmp_path):
     class Killed(Exception):
         pass
