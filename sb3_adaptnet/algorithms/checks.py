@@ -1,8 +1,44 @@
 """What numbers and choices of SVG must be."""
 
 from numbers import Integral
+from typing import Any
 
-from sb3_adaptnet.objectives.schedule import Schedule, highest
+from sb3_adaptnet.algorithms.rollouts.strengths import check_share
+from sb3_adaptnet.algorithms.tracking.tracked_groups import references_of
+from sb3_adaptnet.objectives.schedule import highest
+from sb3_adaptnet.policies.space_contract import companions_in
+
+NEW = "new"
+"""In place of a world model's file: begin one from nothing."""
+
+
+def check_settings(svg: Any) -> None:
+    """Refuse settings of an `SVG` that do not go together, or not with its policy and worlds.
+
+    Raises:
+        ValueError: naming one.
+        MotionError: for gaits that the motion does not have.
+    """
+    if not 0 < svg.window <= svg.n_steps:
+        raise ValueError(f"window is {svg.window}, expected 1 to n_steps, which is {svg.n_steps}")
+    check_positive(gradient_steps=svg.gradient_steps, recent_rollouts=svg.recent_rollouts)
+    check_share(svg.policy_class, svg.episodes.partial_share)
+    symmetry = svg.loss_weights.weights.get("symmetry", 0.0)
+    if highest(symmetry) > 0 and not svg.mirror:
+        raise ValueError(f"symmetry {symmetry!r} is of what is done in the mirror, so mirror must be True")
+    if companions_in(svg.observation_space):
+        _check_companions(svg.mirror, svg.regression_updates, svg.world_model_is_new)
+    if svg.env is not None:
+        references_of(svg.env, svg.guiding.gaits)
+
+
+def _check_companions(mirror: bool, regression_updates: int, world_model_is_new: bool) -> None:
+    if mirror:
+        raise ValueError("mirror is True, but beside companions it must be False: not every style is symmetric")
+    if regression_updates:
+        raise ValueError(f"regression_updates is {regression_updates}, but beside companions it must be 0")
+    if world_model_is_new:
+        raise ValueError(f"world_model is {NEW!r}, but beside companions it must be known")
 
 
 def check_positive(**numbers: int) -> None:
@@ -16,16 +52,6 @@ def check_positive(**numbers: int) -> None:
             raise ValueError(f"{name} is {number}, expected at least 1")
 
 
-def check_window(window: int, steps: int) -> None:
-    """Refuse a window that a rollout of so many steps does not have.
-
-    Raises:
-        ValueError: for one below 1 or above `steps`.
-    """
-    if not 0 < window <= steps:
-        raise ValueError(f"window is {window}, expected 1 to n_steps, which is {steps}")
-
-
 def check_batch(batch_size: int | None, worlds: int | None) -> int | None:
     """The batch size itself.
 
@@ -37,16 +63,6 @@ def check_batch(batch_size: int | None, worlds: int | None) -> int | None:
         most = "the number of worlds" if worlds is None else f"{worlds}, the number of worlds"
         raise ValueError(f"batch_size is {batch_size!r}, expected 1 to {most}, or None for all")
     return batch_size
-
-
-def check_symmetry(symmetry: Schedule, mirror: bool) -> None:
-    """Refuse a loss of what is done in a mirror without one.
-
-    Raises:
-        ValueError: for a weight that is not always 0, unless there is a mirror.
-    """
-    if highest(symmetry) > 0 and not mirror:
-        raise ValueError(f"symmetry {symmetry!r} is of what is done in the mirror, so mirror must be True")
 
 
 def flag(name: str, value: bool) -> bool:

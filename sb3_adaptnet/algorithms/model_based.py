@@ -16,20 +16,21 @@ from stable_baselines3.common.type_aliases import GymEnv
 from stable_baselines3.common.utils import FloatSchedule
 from tqdm import tqdm
 
+from sb3_adaptnet.algorithms.checks import NEW
 from sb3_adaptnet.algorithms.cost_critic import LEARNING_RATE, CostCritic
 from sb3_adaptnet.algorithms.gradient_taming import NormLimit
 from sb3_adaptnet.algorithms.model_learning import fit_anew, fitted_to, record
 from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims, servo_aims
 from sb3_adaptnet.algorithms.svg_settings import ModelFits, ModelRefresh
+from sb3_adaptnet.algorithms.tracking.tracked_groups import Env, character_of, groups_of, worlds_of
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
+from sb3_adaptnet.modules.observation import COMPANION, FLAT
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 from sb3_adaptnet.objectives.weight_average import WeightAverage
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.optimizer_groups import restore_moments
 from sb3_adaptnet.policies.space_contract import default_base
-from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.weights.weight_file import CheckpointError
-from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.fitting.collecting import Act
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions
@@ -37,8 +38,6 @@ from sb3_adaptnet.world_model.world_file import beside_base, read_world
 
 ADAM = {"eps": 1e-8, "betas": (0.9, 0.98)}
 """The policy's optimiser: gradients are small, and a rollout's windows resemble each other."""
-NEW = "new"
-"""In place of a world model's file: begin one from nothing."""
 
 
 class ModelBasedAlgorithm(BaseAlgorithm):
@@ -97,7 +96,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
     def _open_world_model(self, given: str | Path | WorldModel | None) -> None:
         self.world_model_is_new = given == NEW
         if given == NEW:
-            self.world_model = WorldModel(self._character(), Sizes(width=self.model_fits.width))
+            self.world_model = WorldModel(character_of(self._worlds_of_env()), Sizes(width=self.model_fits.width))
         else:
             self.world_model = self._known_world_model(given)
         self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
@@ -110,16 +109,10 @@ class ModelBasedAlgorithm(BaseAlgorithm):
                 fit = f"fit one by `adaptnet world-model fit {base}`, and name its file"
                 raise CheckpointError(f"{str(base)!r} has no {given.name} beside it: {fit}")
         model = copy.deepcopy(given) if isinstance(given, WorldModel) else read_world(given).model
-        return fitted_to(model, self._character())
+        return fitted_to(model, character_of(self._worlds_of_env()))
 
-    def _character(self) -> Character:
-        return Character.of(self._worlds_of_env().simulation.model)
-
-    def _worlds_of_env(self) -> AdaptVecEnv:
-        if not isinstance(self.env, AdaptVecEnv) or not isinstance(self.observation_space, spaces.Box):
-            found = "a heightmap" if isinstance(self.env, AdaptVecEnv) else f"a {type(self.env).__name__}"
-            raise ValueError(f"SVG learns in an AdaptVecEnv on flat ground without a heightmap, and found {found}")
-        return self.env
+    def _worlds_of_env(self) -> Env:
+        return worlds_of(self.env, self.observation_space)
 
     def _setup_model(self) -> None:
         self._setup_lr_schedule()
@@ -141,7 +134,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         """Whether a new world model has to be fitted now."""
         return self.world_model_is_new and self.model_fits.due(self._fits_done, self.num_timesteps)
 
-    def _begin(self, env: AdaptVecEnv, motion: TrackedMotion, updates: int, progress_bar: bool) -> float:
+    def _begin(self, motion: TrackedMotion, updates: int, progress_bar: bool) -> float:
         """What comes before the first rollout: input statistics and a first model where there are none, and a guess.
 
         Returns:
@@ -150,16 +143,17 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         knows_nothing = self.policy.knows_nothing
         if knows_nothing or self.model_fit_is_due():
             act = servo_aims(motion) if knows_nothing else self._steady_action
-            observations = self._fit_model(env, act, progress_bar)
+            observations = self._fit_model(act, progress_bar)
             if knows_nothing:
                 self.policy.learn_statistics(torch.as_tensor(observations, device=self.device))
         if updates and not knows_nothing:
             self.policy.expect(motion.frames)
-        return regress_to_servo_aims(self.policy, motion, env.simulation.goal_states.speed, updates, self.rng)
+        speeds = groups_of(self._worlds_of_env())[0].simulation.goal_states.speed
+        return regress_to_servo_aims(self.policy, motion, speeds, updates, self.rng)
 
-    def _fit_model(self, env: AdaptVecEnv, act: Act, progress_bar: bool) -> NDArray[np.float32]:
+    def _fit_model(self, act: Act, progress_bar: bool) -> NDArray[np.float32]:
         """Record what a policy does, disturbed, and fit a model that is new; returns observations (n, 784) of it."""
-        data, observations = record(env, act, self.model_fits.steps, self.rng)
+        data, observations = record(groups_of(self._worlds_of_env())[0], act, self.model_fits.steps, self.rng)
         self.num_timesteps += data.actions.shape[0] * data.num_worlds
         if self.world_model_is_new:
             self._recorded.append(data)
@@ -197,8 +191,12 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         with self.weight_average.acting():
             return super().predict(*args, **kwargs)
 
-    def _mean_action(self, observations: torch.Tensor) -> torch.Tensor:
-        return self.policy.get_distribution(observations).mode()
+    def _mean_action(self, observations: torch.Tensor, companions: NDArray[np.integer] | None = None) -> torch.Tensor:
+        """Mean actions (B, J) for observations (B, 784), beside companions (B,) if there are any."""
+        if not isinstance(self.observation_space, spaces.Dict):
+            return self.policy.get_distribution(observations).mode()
+        numbers = torch.as_tensor(companions, device=observations.device)
+        return self.policy.get_distribution({FLAT: observations, COMPANION: numbers}).mode()
 
     def _steady_action(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         return self.predict(observations, deterministic=True)[0]

@@ -5,6 +5,7 @@ propagated back through model and kinematics along the real states (Heess et al.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Self, cast
 
@@ -15,25 +16,24 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback
 from stable_baselines3.common.utils import update_learning_rate
 
+from sb3_adaptnet.algorithms import checks
 from sb3_adaptnet.algorithms import svg_settings as groups
-from sb3_adaptnet.algorithms.checks import check_batch, check_positive, check_symmetry, check_window, flag
 from sb3_adaptnet.algorithms.cost_critic import RECENT, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
+from sb3_adaptnet.algorithms.joined_tracking import tracked_worlds
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
 from sb3_adaptnet.algorithms.model_learning import refresh
 from sb3_adaptnet.algorithms.rollouts.real_rollout import RealRollout, RolloutRecorder
 from sb3_adaptnet.algorithms.rollouts.recent_rollouts import RecentRollouts
 from sb3_adaptnet.algorithms.rollouts.reflection import Reflection
-from sb3_adaptnet.algorithms.rollouts.strengths import acting_at, check_share
+from sb3_adaptnet.algorithms.rollouts.strengths import acting_at
 from sb3_adaptnet.algorithms.svg_log import record_means, record_rollout, record_times
 from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss
-from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
 from sb3_adaptnet.algorithms.tracking.guide import Guiding
-from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
+from sb3_adaptnet.algorithms.tracking.tracked_groups import Env, TrackedMotions
 from sb3_adaptnet.objectives.schedule import Schedule, checked_decay
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
-from sb3_adaptnet.vec_env import AdaptVecEnv
 from sb3_adaptnet.world_model.model import WorldModel
 
 
@@ -80,7 +80,7 @@ class SVG(ModelBasedAlgorithm):
 
         Args:
             policy: a policy of this package, such as `AdaptNetPolicy`.
-            env: an `AdaptVecEnv` on flat ground.
+            env: an `AdaptVecEnv` on flat ground, or `JoinedWorlds` to learn beside companions in.
             world_model: the character's model, or its file; None for `BASE.world.safetensors` beside the policy's base;
                 "new" for one that begins from nothing, as a policy without a base does.
             learning_rate: of the policy; a number, or samples -> number.
@@ -116,21 +116,17 @@ class SVG(ModelBasedAlgorithm):
             groups.grouped(groups.ModelFits, model_fits), policy_kwargs, stats_window_size=stats_window_size, seed=seed,
             tensorboard_log=tensorboard_log, verbose=verbose, device=device, init_setup_model=_init_setup_model,
         )  # fmt: skip
-        check_window(window, n_steps)
-        check_positive(gradient_steps=gradient_steps, recent_rollouts=recent_rollouts)
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
-        self.batch_size = check_batch(batch_size, None if env is None else self.n_envs)
+        self.batch_size = checks.check_batch(batch_size, None if env is None else self.n_envs)
         self.gradient_steps, self.recent_rollouts = gradient_steps, recent_rollouts
-        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), flag("mirror", mirror)
+        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), checks.flag("mirror", mirror)
         self.episodes = groups.grouped(groups.Episodes, episodes)
-        check_share(self.policy_class, self.episodes.partial_share)
         self.guiding = groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)
         self.loss_weights = groups.LossSchedules.of(loss_weights)
-        check_symmetry(self.loss_weights.weights.get("symmetry", 0.0), self.mirror)
         self.cost_to_go, self.taming = groups.grouped(groups.CostToGo, cost_to_go), GradientTaming()
-        if env is not None and self.guiding.gaits:
-            self._worlds_of_env().references(self.guiding.gaits)  # refuses a motion without them
+        if _init_setup_model:  # `load` sets what was checked already
+            checks.check_settings(self)
 
     def learn(
         self,
@@ -143,11 +139,12 @@ class SVG(ModelBasedAlgorithm):
     ) -> Self:
         """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
         total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
-        env, self.batch_size = self._worlds_of_env(), check_batch(self.batch_size, self.n_envs)
-        self.motion = TrackedMotion.of(self.world_model.character, self.device, env.references(self.guiding.gaits))
+        env, self.batch_size = self._worlds_of_env(), checks.check_batch(self.batch_size, self.n_envs)
+        self._motions = TrackedMotions.of(env, self.world_model.character, self.device, self.guiding.gaits)
+        self.motion = self._motions.together
         callbacks.on_training_start(locals(), globals())
         if not (self._begun or self._n_updates):
-            error, self._begun = self._begin(env, self.motion, self.regression_updates, progress_bar), True
+            error, self._begun = self._begin(self.motion, self.regression_updates, progress_bar), True
             self.logger.record("svg/first_guess_error", error)
         self._critic_training = CriticTraining(
             self.critic, self.critic_optimizer, self.world_model, self.motion, self.cost_to_go, self.rng, self.logger
@@ -156,7 +153,7 @@ class SVG(ModelBasedAlgorithm):
         iteration = 0
         while self.num_timesteps < total:
             if self.model_fit_is_due():
-                self._fit_model(env, self._steady_action, progress_bar)
+                self._fit_model(self._steady_action, progress_bar)
                 self._set_out(env)
             if not self.collect_rollout(callbacks):
                 break
@@ -168,9 +165,9 @@ class SVG(ModelBasedAlgorithm):
         callbacks.on_training_end()
         return self
 
-    def _set_out(self, env: AdaptVecEnv) -> None:
+    def _set_out(self, env: Env) -> None:
         """Begin new episodes in all worlds, with guides, and forget past rollouts."""
-        self._worlds = TrackedWorlds(env, self.motion, self.episodes, self.guiding, self.rng)
+        self._worlds = tracked_worlds(env, self._motions, self.episodes, self.guiding, self.rng)
         self._last_obs = self._worlds.begin(self.num_timesteps)
         reflection = Reflection.of(self.world_model.character, self.motion) if self.mirror else None
         kept = max(self.model_refresh.rollouts, self.recent_rollouts, RECENT)
@@ -180,7 +177,7 @@ class SVG(ModelBasedAlgorithm):
         """Act in all worlds for `n_steps` control steps; returns whether the callbacks want to go on."""
         worlds, recorder, errors = self._worlds, RolloutRecorder(), list[NDArray[np.floating]]()
         worlds.schedule(self.num_timesteps)
-        observations = cast(NDArray[np.float32], self._last_obs)  # an array: there is no heightmap
+        observations = cast(NDArray[np.float32], self._last_obs)  # an array: there is no heightmap, nor companions
         worlds.resynchronise(observations)
         self.policy.set_training_mode(False)
         callback.on_rollout_start()
@@ -198,7 +195,7 @@ class SVG(ModelBasedAlgorithm):
                 recorder.add(before, actions, noise, step.guidance, step.ended, step.failed)
                 errors.append(step.errors)
                 self._last_obs = observations = new_obs
-        self._rollouts.add(recorder.finish(worlds.now(), worlds.strengths), worlds.guide.left_from_behind)
+        self._rollouts.add(recorder.finish(worlds.now(), worlds.strengths, worlds.companions), worlds.left_from_behind)
         record_rollout(self.logger, np.stack(errors), worlds)
         callback.on_rollout_end()
         return True
@@ -207,7 +204,8 @@ class SVG(ModelBasedAlgorithm):
     def _act(self, observations: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Actions (N, J) and the noise that is in them."""
         with acting_at(self.policy, self._worlds.strengths):
-            mean = self._mean_action(torch.as_tensor(observations, device=self.device)).cpu().numpy()
+            seen = torch.as_tensor(observations, device=self.device)
+            mean = self._mean_action(seen, self._worlds.companions).cpu().numpy()
         noise = self.exploration.noise(mean.shape, self.rng)
         return np.clip(mean + noise, -1, 1), noise
 
@@ -231,7 +229,7 @@ class SVG(ModelBasedAlgorithm):
         """One update of the policy along a window of a rollout; returns what to log."""
         part = rollout.window(rollout.drawn_starts(self.window, self.rng), self.window)
         with acting_at(self.policy, rollout.strengths), self.policy.actor.one_update(self.window):
-            steps = imagine(self._mean_action, model, part, self.taming)
+            steps = imagine(partial(self._mean_action, companions=part.companions), model, part, self.taming)
             loss, parts = window_loss(steps, self.motion, weights, to_come)
             self.policy.optimizer.zero_grad()
             loss.backward()
@@ -247,4 +245,4 @@ class SVG(ModelBasedAlgorithm):
         self.logger.dump(step=self.num_timesteps)
 
     def _excluded_save_params(self) -> list[str]:
-        return [*super()._excluded_save_params(), "_worlds", "_rollouts", "_critic_training", "motion"]
+        return [*super()._excluded_save_params(), "_worlds", "_rollouts", "_critic_training", "motion", "_motions"]

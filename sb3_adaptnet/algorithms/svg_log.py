@@ -10,10 +10,11 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import safe_mean
 
+from sb3_adaptnet.algorithms.joined_tracking import JoinedTrackedWorlds
 from sb3_adaptnet.algorithms.tracked_worlds import TrackedWorlds
 
 
-def record_rollout(logger: Logger, errors: NDArray[np.floating], worlds: TrackedWorlds) -> None:
+def record_rollout(logger: Logger, errors: NDArray[np.floating], worlds: TrackedWorlds | JoinedTrackedWorlds) -> None:
     """Means of the tracking error [m], (T, N) over steps and worlds, of the episodes' lengths and of the strengths."""
     logger.record("rollout/tracking_error", float(np.nanmean(errors)))
     logger.record("rollout/strength", float(worlds.strengths.mean()))

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sb3_adaptnet.algorithms.retries import Retries
 from sb3_adaptnet.algorithms.rollouts.real_rollout import Moment, root_headings
+from sb3_adaptnet.algorithms.rollouts.retries import Retries
 from sb3_adaptnet.algorithms.rollouts.strengths import strengths_at
 from sb3_adaptnet.algorithms.svg_settings import Episodes
 from sb3_adaptnet.algorithms.tracking.guide import Guidance, Guide, Guiding
@@ -53,6 +53,7 @@ class TrackedWorlds:
         strengths: (N,) at which the adaptation acts; in part, no episode ends by its error.
         retries: what came before loose worlds failed, at the whole strength.
         loose: (N,) worlds with longer episodes and a wider limit.
+        companions: (N,) 0: nothing acts beside what learns.
         lengths: steps of the episodes that ended in the last rollout.
     """
 
@@ -80,11 +81,17 @@ class TrackedWorlds:
         self._strength_is_new = np.zeros(env.num_envs, np.bool_)
         self.retries, self._retry_share = Retries(env.num_envs, rng), 0.0
         self.loose = np.zeros(env.num_envs, np.bool_)
+        self.companions = np.zeros(env.num_envs, np.int64)
         self.lengths: list[int] = []
         self._episodes, self._guiding = episodes, guiding
         self._ages = np.zeros(env.num_envs, np.int64)
         self._limits = np.zeros(env.num_envs, np.int64)
         self._all = np.arange(env.num_envs)
+
+    @property
+    def left_from_behind(self) -> float:
+        """The guides' [rad]."""
+        return self.guide.left_from_behind
 
     def schedule(self, samples: int) -> None:
         """Put what changes while learning to its values after so many samples."""
@@ -111,8 +118,12 @@ class TrackedWorlds:
         self.schedule(samples)
         observations = self.env.reset()
         assert isinstance(observations, np.ndarray)  # there is no heightmap
-        self._follow(self._all, self.guide.motion.seen_in(observations))
+        self.take_up(observations)
         return observations
+
+    def take_up(self, observations: NDArray[np.float32]) -> None:
+        """Let guides and episodes begin where all worlds are."""
+        self._follow(self._all, self.guide.motion.seen_in(observations))
 
     def _follow(self, ids: NDArray[np.integer], seen: NDArray[np.float32]) -> None:
         self.guide.restart(ids, seen, self._root_headings())

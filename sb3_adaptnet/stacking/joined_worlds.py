@@ -22,6 +22,7 @@ class JoinedWorlds(VecEnv):
 
     Attributes:
         groups: the worlds, in order.
+        numbers: (N,) of each world's group.
     """
 
     def __init__(self, groups: Sequence[AdaptVecEnv]) -> None:
@@ -41,14 +42,14 @@ class JoinedWorlds(VecEnv):
         parts = parts_of(first.observation_space)
         space = spaces.Dict({**parts, COMPANION: spaces.Discrete(len(self.groups))})
         super().__init__(sum(group.num_envs for group in self.groups), space, first.action_space)
-        self._numbers = np.repeat(np.arange(len(self.groups)), [group.num_envs for group in self.groups])
+        self.numbers = np.repeat(np.arange(len(self.groups)), [group.num_envs for group in self.groups])
         ends = np.cumsum([group.num_envs for group in self.groups])
         self._slices = [slice(end - group.num_envs, end) for group, end in zip(self.groups, ends, strict=True)]
 
     def _joined(self, observations: Sequence[Any]) -> dict[str, NDArray[Any]]:
         parts = [parts_of(observation) for observation in observations]
         return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]} | {
-            COMPANION: self._numbers.copy()
+            COMPANION: self.numbers.copy()
         }
 
     def reset(self) -> VecEnvObs:
@@ -86,11 +87,11 @@ class JoinedWorlds(VecEnv):
         The last k links stand for none: their numbers are 1 at the group's and 0 elsewhere, so that discriminators
         tell the groups apart and compare each with its own clip.
         """
-        return self._marked(np.concatenate([group.pose_windows for group in self.groups]), self._numbers)
+        return self._marked(np.concatenate([group.pose_windows for group in self.groups]), self.numbers)
 
     def sample_reference_windows(self, count: int, rng: np.random.Generator) -> NDArray[np.float32]:
         """Sample windows (count, 5, 15 + k, 7) of the groups' clips, of each in proportion to its worlds."""
-        numbers = np.sort(self._numbers[rng.integers(self.num_envs, size=count)])
+        numbers = np.sort(self.numbers[rng.integers(self.num_envs, size=count)])
         drawn = zip(self.groups, np.bincount(numbers, minlength=len(self.groups)), strict=True)
         windows = [group.sample_reference_windows(int(share), rng) for group, share in drawn if share]
         return self._marked(np.concatenate(windows), numbers)

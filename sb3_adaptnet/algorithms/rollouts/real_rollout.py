@@ -82,6 +82,7 @@ class RealRollout:
         failed: (T, N) whether the step ended an episode by a fall or by its error.
         strengths: (N,) at which the adaptation acted, 1 for the whole.
         mirrored: (N,) whether all this is the mirror image of what happened.
+        companions: (N,) number of the frozen adaptation that acted beside, 0 for none.
     """
 
     transitions: Transitions
@@ -96,6 +97,7 @@ class RealRollout:
     failed: NDArray[np.bool_]
     strengths: NDArray[np.float32]
     mirrored: NDArray[np.bool_]
+    companions: NDArray[np.integer]
 
     def __len__(self) -> int:
         """T."""
@@ -109,6 +111,7 @@ class RealRollout:
             **{name: getattr(self, name)[:, worlds] for name in by_time},
             strengths=self.strengths[worlds],
             mirrored=self.mirrored[worlds],
+            companions=self.companions[worlds],
         )
 
     def window(self, starts: NDArray[np.integer] | int, steps: int) -> "RealRollout":
@@ -127,6 +130,7 @@ class RealRollout:
             speeds=self.speeds[states, worlds],
             strengths=self.strengths,
             mirrored=self.mirrored,
+            companions=self.companions,
         )  # fmt: skip
 
     def drawn_starts(self, steps: int, rng: np.random.Generator) -> NDArray[np.integer]:
@@ -185,8 +189,8 @@ class RolloutRecorder:
         self._ended.append(ended)
         self._failed.append(failed)
 
-    def finish(self, last: Moment, strengths: NDArray[np.float32]) -> RealRollout:
-        """The rollout, given the worlds after its last step, and at which strengths (N,) the adaptation acted."""
+    def finish(self, last: Moment, strengths: NDArray[np.float32], companions: NDArray[np.integer]) -> RealRollout:
+        """The rollout, given the worlds after its last step, and who (N,) acted beside the adaptation how strongly."""
         moments, guidance = [*self._moments, last], self._guidance
         transitions = Transitions(
             qpos=np.stack([moment.qpos for moment in moments]),
@@ -207,6 +211,7 @@ class RolloutRecorder:
             failed=np.stack(self._failed),
             strengths=strengths,
             mirrored=np.zeros(len(strengths), np.bool_),
+            companions=companions,
         )
 
 

@@ -53,7 +53,9 @@ def test_a_rollout_acts_in_part_and_says_so(svg):
 def test_what_is_learned_from_it_acts_as_it_did_and_style_counts_by_the_square(svg, monkeypatch):
     rollout, acted = svg._rollouts.latest(1)[0], []
     mean_action = svg._mean_action
-    monkeypatch.setattr(svg, "_mean_action", lambda obs: acted.append(svg.policy.actor.in_part) or mean_action(obs))
+    monkeypatch.setattr(
+        svg, "_mean_action", lambda obs, companions: acted.append(svg.policy.actor.in_part) or mean_action(obs)
+    )
     svg.train()
     of_all = InPart.of(torch.as_tensor(rollout.strengths))  # the same in all rollouts so far
     assert acted and all(part.rows.equal(of_all.rows) and part.strengths.equal(of_all.strengths) for part in acted)

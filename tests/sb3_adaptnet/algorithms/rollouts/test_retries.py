@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from adapt_envs.simulation.situations import Situations
-from sb3_adaptnet.algorithms.retries import BACK, KEPT, LENGTHS, SUCCESSES, TRIES, Retries
+from sb3_adaptnet.algorithms.rollouts.retries import BACK, KEPT, LENGTHS, SUCCESSES, TRIES, Retries
 
 WORLDS = 6
 
