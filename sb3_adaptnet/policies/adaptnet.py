@@ -54,7 +54,7 @@ class AdaptNetPolicy(PolicyFromBase):
         noise: float = 1.0,
         start: str | Path | None = None,
         companions: Sequence[str | Path] = (),
-        companion_kl: float = 5.0,
+        companion_kl: float | None = 5.0,
         **settings: Any,
     ) -> None:
         """Read the base and add an adaptation that does nothing yet, or does what another one does.
@@ -77,7 +77,7 @@ class AdaptNetPolicy(PolicyFromBase):
             companions: further adaptations of the base, names or files, frozen, of which the k-th acts in the worlds
                 whose observations say k, as those of `JoinedWorlds` do: what learns beside them can be stacked.
             companion_kl: how far the actions may be from what base and companion do alone, at no cost [nat]; also in
-                worlds without a companion.
+                worlds without a companion. None for no bound.
             **settings: base of `PolicyFromBase`; precision, actor_lr, critic_lr, critic, optimizer_class,
                 optimizer_kwargs of `ObjectivePolicy`.
 

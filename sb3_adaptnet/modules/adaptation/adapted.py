@@ -22,12 +22,13 @@ from sb3_adaptnet.modules.observation import Observation
 class Penalties(NamedTuple):
     """Coefficients of eq. 12: `beta` on the injection's norm, `kappa` on the adaptors' norm.
 
-    `companion_kl` is none: so many nats the actions may differ from what the companions do alone at no cost.
+    `companion_kl` is none: so many nats the actions may differ from what the companions do alone at no cost; None for
+    any number of them.
     """
 
     beta: float = 0.01
     kappa: float = 0.01
-    companion_kl: float = math.inf
+    companion_kl: float | None = None
 
 
 class AdaptedActor(Actor):
@@ -148,7 +149,7 @@ class AdaptedActor(Actor):
         beside = self._companions_of(observation, latent)
         offsets = self.injections(observation, latent)
         mean, log_std = self._heads(observation, latent, offsets, self.hidden_layers(), beside)
-        if beside is None or self.penalties.companion_kl == math.inf or not torch.is_grad_enabled():
+        if beside is None or self.penalties.companion_kl is None or not torch.is_grad_enabled():
             return mean, log_std
         alone = observation.companion_mean
         alone = self.companions_alone(observation) if alone is None else alone
@@ -161,7 +162,7 @@ class AdaptedActor(Actor):
             return observation
         offset = self.companions.offsets(observation, self.base_latent(observation))
         observation = observation._replace(companion_offset=offset)
-        if self.penalties.companion_kl == math.inf:
+        if self.penalties.companion_kl is None:
             return observation
         return observation._replace(companion_mean=self.companions_alone(observation))
 

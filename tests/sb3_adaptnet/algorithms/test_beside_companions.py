@@ -34,7 +34,7 @@ def worlds(**changes):
 @pytest.fixture
 def make_beside(make_svg, companion):
     def make(env=None, **choices):
-        kwargs = {"companions": [str(companion)], "companion_kl": float("inf")}
+        kwargs = {"companions": [str(companion)], "companion_kl": None}
         settings = {"regression_updates": 0, "guiding": GAITS, **choices}
         return make_svg(env=env or worlds(), policy_kwargs=kwargs, **settings)
 

@@ -1,7 +1,5 @@
 """Learning beside frozen adaptations: it acts as the sum that is stacked later, and nothing of them learns."""
 
-import math
-
 import numpy as np
 import pytest
 import torch
@@ -64,7 +62,7 @@ def test_what_a_companion_adds_to_the_latents_may_be_handed_back(tiny_base, two_
 
 def test_it_stays_near_what_its_companions_do_alone(tiny_base, two_styles):
     """Nothing else has a gradient here: PPO's loss of advantages of 0."""
-    policy = learner(tiny_base, two_styles, beta=0.0, kappa=0.0, companion_kl=math.inf).policy
+    policy = learner(tiny_base, two_styles, beta=0.0, kappa=0.0, companion_kl=None).policy
     obs = {key: torch.from_numpy(values) for key, values in batch().items()}
     alone = policy.get_distribution(obs).distribution.mean.detach()
     disturb(policy.actor.adaptations)

@@ -44,6 +44,25 @@ def test_a_run_learns_beside_companions_goes_on_and_exports_what_it_learned_alon
     env.close()
 
 
+def test_svg_learns_beside_companions_goes_on_and_exports(tmp_path, capsys):
+    shins = env_id("LongShinsWalk")
+    entry = yaml.safe_load(zoo_config_path("beside_styles").read_text())[shins]
+    companions = entry["policy_kwargs"]["companions"]
+    assert {part_of(companion).kind for companion in companions} == {"style"} and len(set(companions)) == 9
+    entry |= {"n_envs": 6, "n_steps": 8, "window": 4, "gradient_steps": 1}
+    entry["cost_to_go"] |= {"weight": 0.5, "updates": [2, 1]}
+    entry["policy_kwargs"] |= {"companions": ["walk-penguin"], "precision": "fp32"}
+    file, run = tmp_path / "small.yml", tmp_path / "run"
+    file.write_text(yaml.safe_dump({shins: entry}))
+    assert main(["train", shins, "--algo", "svg", "--conf-file", str(file), "--start", "walk-longshinswalk",
+                 "--samples", "48", "--threads", "1", "--quiet", "--run-dir", str(run)]) == 0  # fmt: skip
+    assert main(["train", "--resume", str(run), "--samples", "96", "--quiet"]) == 0
+    assert "96 samples" in capsys.readouterr().out
+    card = json.loads(export(run, tmp_path / "shins.safetensors").with_suffix(".json").read_text())
+    assert card["training"]["svg"]["policy_kwargs"]["companions"] == ["walk-penguin"]
+    assert card["training"]["svg"]["policy_kwargs"]["companion_kl"] is None
+
+
 def test_companions_make_joined_worlds():
 
     worlds = make_worlds(RunSettings(ICE, samples=1, n_envs=10, threads=1), experiment(ICE, conf_file="stackable"))
