@@ -98,6 +98,9 @@ class ReferenceMotion:
 
     The windows are the unmodified character's unless asked otherwise (paper, sec. 8.2: motions are not retargeted); the
     start states are `model`'s: missing joints are left out, and the feet of other legs are put where the clip's were.
+
+    Attributes:
+        windows_on_body: whether `model` shows the windows.
     """
 
     def __init__(self, clips: Sequence[MotionClip], model: mujoco.MjModel, windows_on_body: bool = False) -> None:
@@ -107,7 +110,7 @@ class ReferenceMotion:
             MotionError: if a clip does not know one of the model's joints.
         """
         self.clips = tuple(clips)
-        self.model, self._windows_on_body = model, windows_on_body
+        self.model, self.windows_on_body = model, windows_on_body
         self.joint_names = joints_of(model)
         for clip in clips:
             missing = [joint for joint in self.joint_names if joint not in clip.joint_names]
@@ -126,7 +129,7 @@ class ReferenceMotion:
         Raises:
             MotionError: if the clip does not know one of the model's joints.
         """
-        return ReferenceMotion([clip], self.model, self._windows_on_body)
+        return ReferenceMotion([clip], self.model, self.windows_on_body)
 
     @cached_property
     def shown(self) -> MotionClip:
@@ -148,9 +151,9 @@ class ReferenceMotion:
 
     @cached_property
     def _windows(self) -> NDArray[np.float32]:
-        if not self._windows_on_body:
+        if not self.windows_on_body:
             return _plain_windows(self.clips)
-        return _windows_of(self.model, [shown_by(clip, self.model) for clip in self.clips])
+        return windows_of(self.model, [shown_by(clip, self.model) for clip in self.clips])
 
     @property
     def poses(self) -> NDArray[np.float32]:
@@ -160,7 +163,7 @@ class ReferenceMotion:
     @property
     def speed(self) -> float:
         """Mean speed of the first clip [m/s], as the body shows it if the windows do."""
-        return (self.shown if self._windows_on_body else self.clips[0]).mean_speed
+        return (self.shown if self.windows_on_body else self.clips[0]).mean_speed
 
     @property
     def num_states(self) -> int:
@@ -223,12 +226,12 @@ def _reference_motion(
 @lru_cache(maxsize=8)
 def _plain_windows(clips: tuple[MotionClip, ...]) -> NDArray[np.float32]:
     """The windows of all bodies that do not show them: one array, which nobody may change."""
-    windows = _windows_of(plain_model(), clips)
+    windows = windows_of(plain_model(), clips)
     windows.flags.writeable = False
     return windows
 
 
-def _windows_of(model: mujoco.MjModel, clips: Sequence[MotionClip]) -> NDArray[np.float32]:
+def windows_of(model: mujoco.MjModel, clips: Sequence[MotionClip]) -> NDArray[np.float32]:
     """Pose windows (n, 5, 15, 7) that end at each frame of clips which has the ones before it."""
     kinematics, found = Kinematics(model), []
     for frames in map(_Frames.of, clips):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from adapt_envs.features.observation_rows import Observations
 from adapt_envs.motion.library import ReferenceMotion
+from adapt_envs.motion.shown_motion import as_shown
 from adapt_envs.simulation.gait_cycles import gaits_at
 from adapt_envs.simulation.situations import Situations
 from adapt_envs.simulation.worlds import Worlds
@@ -93,7 +94,7 @@ class StateAccess:
 
     @property
     def reference_states(self) -> ReferenceStates:
-        """All start states of the reference motion, in order."""
+        """All start states of the reference motion, in order; with `clip_on_body` in the body's own steps and tempo."""
         return _all_states(self.worlds.reference)
 
     def reference_gaits(self, speeds: Sequence[float]) -> list[ReferenceStates]:
@@ -118,5 +119,6 @@ class StateAccess:
 
 
 def _all_states(motion: ReferenceMotion) -> ReferenceStates:
+    motion = as_shown(motion)
     clip = motion.clips[0]
     return ReferenceStates(*motion.states(np.arange(motion.num_states)), clip.cyclic, clip.mean_speed)

@@ -67,3 +67,25 @@ def test_gaits_of_a_long_motion_are_cycles_at_the_wanted_speeds():
         assert np.linalg.norm(gait.qpos[0, 7:] - gait.qpos[-1, 7:]) < 1.5 * step.max()
     with pytest.raises(ValueError, match="no gait cycle at 9.00 m/s"):
         env.reference_gaits([9.0])
+
+
+def test_with_the_clip_on_the_body_the_reference_takes_the_bodys_own_steps():
+    """Longer legs take longer steps in a longer time, as the windows show them."""
+    plain, own = (
+        make_vector("AdaptNet/Humanoid-LongThighsWalk-v0", 1, num_threads=1, motion="Stoop", clip_on_body=on_body)
+        for on_body in (False, True)
+    )
+    shown, reference = own.worlds.reference.shown, own.reference_states
+    assert len(reference.qpos) == shown.period > len(plain.reference_states.qpos)
+    assert reference.mean_speed == shown.mean_speed > 1.05 * plain.reference_states.mean_speed
+    np.testing.assert_allclose(reference.qpos[:, 7:], shown.qpos[: shown.period, 7:], atol=1e-9)
+    moved = np.linalg.norm(reference.qvel[:, :2], axis=1).mean()
+    assert moved == pytest.approx(shown.mean_speed, rel=0.02)
+    np.testing.assert_allclose(reference.history[:, -1, :, 2], own.worlds.reference.poses[..., 2], atol=1e-5)
+    gait, wanted = (
+        make_vector("AdaptNet/Humanoid-LongThighsWalk-v0", 1, num_threads=1, clip_on_body=on_body).reference_gaits(
+            [1.2]
+        )[0]
+        for on_body in (True, False)
+    )
+    assert gait.mean_speed > 1.05 * wanted.mean_speed
