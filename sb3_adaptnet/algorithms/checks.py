@@ -27,18 +27,23 @@ def check_settings(svg: Any) -> None:
     if highest(symmetry) > 0 and not svg.mirror:
         raise ValueError(f"symmetry {symmetry!r} is of what is done in the mirror, so mirror must be True")
     if companions_in(svg.observation_space):
-        _check_companions(svg.mirror, svg.regression_updates, svg.world_model_is_new)
+        _check_beside_companions(svg)
     if svg.env is not None:
         references_of(svg.env, svg.guiding.gaits)
 
 
-def _check_companions(mirror: bool, regression_updates: int, world_model_is_new: bool) -> None:
-    if mirror:
-        raise ValueError("mirror is True, but beside companions it must be False: not every style is symmetric")
-    if regression_updates:
-        raise ValueError(f"regression_updates is {regression_updates}, but beside companions it must be 0")
-    if world_model_is_new:
-        raise ValueError(f"world_model is {NEW!r}, but beside companions it must be known")
+def _check_beside_companions(svg: Any) -> None:
+    """Not every style is symmetric, and what acts in part beside a whole one was never looked at."""
+    must_be = {
+        "mirror": (svg.mirror, False),
+        "regression_updates": (svg.regression_updates, 0),
+        "episodes.partial_share": (highest(svg.episodes.partial_share), 0),
+    }
+    for name, (value, wanted) in must_be.items():
+        if value != wanted:
+            raise ValueError(f"{name} is {value!r}, but beside companions it must be {wanted!r}")
+    if svg.world_model_is_new:
+        raise ValueError(f"world_model is {NEW!r}, but beside companions it must be one that is there")
 
 
 def check_positive(**numbers: int) -> None:

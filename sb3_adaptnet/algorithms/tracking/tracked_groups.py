@@ -78,5 +78,9 @@ def references_of(env: Env, gaits: Sequence[float]) -> list[list[Any]]:
         MotionError: if a motion holds no cycle at any of the speeds, or the first group's is one itself.
     """
     first, *others = groups_of(env)
-    own = [() if group.simulation.reference_states.cyclic else gaits for group in others]
-    return [list(group.references(speeds)) for group, speeds in zip([first, *others], [gaits, *own], strict=True)]
+    return [list(first.references(gaits)), *(_references_beside(group, gaits) for group in others)]
+
+
+def _references_beside(group: AdaptVecEnv, gaits: Sequence[float]) -> list[Any]:
+    whole = group.references()
+    return list(whole if whole[0].cyclic or not gaits else group.references(gaits))

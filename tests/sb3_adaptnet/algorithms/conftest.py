@@ -37,9 +37,9 @@ def tiny_world():
 
 @pytest.fixture
 def make_svg(walk_base, tiny_world):
-    def make(worlds=6, environment="AdaptNet/Humanoid-Stoop-v0", env=None, policy_kwargs=None, **choices):
+    def make(worlds=6, environment="AdaptNet/Humanoid-Stoop-v0", env=None, policy_kwargs=None, world=None, **choices):
         env = env or AdaptVecEnv(environment, num_envs=worlds, num_threads=1, seed=0)
         policy_kwargs = {"base": str(walk_base), **(policy_kwargs or {})}
-        return SVG(AdaptNetPolicy, env, tiny_world, policy_kwargs=policy_kwargs, **{**TINY, **choices})
+        return SVG(AdaptNetPolicy, env, world or tiny_world, policy_kwargs=policy_kwargs, **{**TINY, **choices})
 
     return make

@@ -12,30 +12,17 @@ from sb3_adaptnet import AdaptVecEnv, WeightAveraging
 from sb3_adaptnet.objectives.weight_average import WeightAverage
 
 
-def test_it_is_the_exponential_moving_average():
+@pytest.mark.parametrize("start_share", [0.0, 0.25])
+def test_it_is_the_exponential_moving_average_and_the_start_keeps_its_share(start_share):
     weight = nn.Parameter(torch.tensor([7.0]))
-    average = WeightAverage([weight])
+    average = WeightAverage([weight], start_share)
     expected = None
     for value in (1.0, 2.0, -3.0):
         with average.learning():
             weight.data.fill_(value)
             average.update(0.9)
         expected = value if expected is None else 0.9 * expected + 0.1 * value
-        assert weight.item() == pytest.approx(expected)
-        with average.learning():
-            assert weight.item() == value
-
-
-def test_the_start_keeps_its_share():
-    weight = nn.Parameter(torch.tensor([8.0]))
-    average = WeightAverage([weight], start_share=0.25)
-    expected = None
-    for value in (1.0, 2.0, -3.0):
-        with average.learning():
-            weight.data.fill_(value)
-            average.update(0.9)
-        expected = value if expected is None else 0.9 * expected + 0.1 * value
-        assert weight.item() == pytest.approx(0.75 * expected + 0.25 * 8.0)
+        assert weight.item() == pytest.approx((1 - start_share) * expected + start_share * 7.0)
         with average.learning():
             assert weight.item() == value
 
