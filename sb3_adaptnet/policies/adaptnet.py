@@ -82,8 +82,8 @@ class AdaptNetPolicy(PolicyFromBase):
                 optimizer_kwargs of `ObjectivePolicy`.
 
         Raises:
-            ValueError: for an unknown choice, if there would be nothing to train, or if the observations tell another
-                number of companions apart.
+            ValueError: for an unknown choice, a negative penalty, if there would be nothing to train, or if the
+                observations tell another number of companions apart.
             CheckpointError: if base, start or a companion cannot be read, or adapts another base. A base's or start's
                 file that is missing only fails when the policy first acts, as in `PolicyFromBase`.
         """

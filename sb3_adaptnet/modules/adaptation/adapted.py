@@ -30,6 +30,17 @@ class Penalties(NamedTuple):
     kappa: float = 0.01
     companion_kl: float | None = None
 
+    def checked(self) -> "Penalties":
+        """These.
+
+        Raises:
+            ValueError: if one is negative or not finite.
+        """
+        for name, value in self._asdict().items():
+            if value is not None and not 0.0 <= value < math.inf:
+                raise ValueError(f"{name} must be a finite number that is at least 0, not {value}")
+        return self
+
 
 class AdaptedActor(Actor):
     """A frozen base with adaptations, each scaled by alpha times its weight (the interpolation equations of sec. 8.1).
@@ -60,7 +71,7 @@ class AdaptedActor(Actor):
         self.adaptations = nn.ModuleDict(adaptations)
         self.weights = dict.fromkeys(adaptations, 1.0)
         self.alpha = 1.0
-        self.penalties = penalties or Penalties()
+        self.penalties = (penalties or Penalties()).checked()
         self.log_noise = log_factor(noise)
         self.companions: Companions | None = None
         self.in_part: InPart | None = None

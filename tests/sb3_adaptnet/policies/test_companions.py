@@ -82,6 +82,13 @@ def test_it_stays_near_what_its_companions_do_alone(tiny_base, two_styles):
     assert max(gradient.abs().max() for gradient in wanted) > 1e-3
 
 
+@pytest.mark.parametrize("name", ["beta", "kappa", "companion_kl"])
+@pytest.mark.parametrize("wrong", [-1.0, float("inf"), float("nan")])
+def test_a_penalty_that_is_none_is_refused(name, wrong, tiny_base, two_styles):
+    with pytest.raises(ValueError, match=f"{name} must be a finite number that is at least 0, not {wrong}"):
+        learner(tiny_base, two_styles, **{name: wrong})
+
+
 @pytest.mark.parametrize("heightmap", [False, True])
 def test_only_its_own_weights_learn_and_a_saved_model_goes_on(heightmap, tiny_base, two_styles, tmp_path):
     model = learner(tiny_base, two_styles, heightmap)
