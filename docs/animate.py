@@ -92,7 +92,8 @@ GROUNDS = (("walk", "IceWalk"), ("walk", "TerrainHills"), ("walk", "TerrainRugge
 STACKS = {
     "LongBodyWalk": ("Stoop", "Stomp", "Strutting", "Joyful"),
     "BigBodyWalk": ("Penguin", "Kicking", "GooseStep", "JauntySkip"),
-    "LongThighsWalk": ("Stoop", "Penguin", "Swaggering", "Sashay"),
+    "LongThighsWalk": ("Stoop", "Penguin", "Swaggering", "Limp"),
+    "LongShinsWalk": ("Pace", "Joyful", "Sashay", "Stomp"),
 }
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
