@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from numbers import Real
 from typing import NamedTuple, cast
 
 import torch
@@ -34,11 +35,13 @@ class Penalties(NamedTuple):
         """These.
 
         Raises:
-            ValueError: if one is negative or not finite.
+            ValueError: if one is no number, negative or not finite; `companion_kl` may be None.
         """
         for name, value in self._asdict().items():
-            if value is not None and not 0.0 <= value < math.inf:
-                raise ValueError(f"{name} must be a finite number that is at least 0, not {value}")
+            optional = name == "companion_kl"
+            if not (isinstance(value, Real) and 0.0 <= value < math.inf or optional and value is None):
+                valid = "a finite number that is at least 0" + (", or None" if optional else "")
+                raise ValueError(f"{name} must be {valid}, not {value!r}")
         return self
 
 

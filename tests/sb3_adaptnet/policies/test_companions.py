@@ -82,10 +82,10 @@ def test_it_stays_near_what_its_companions_do_alone(tiny_base, two_styles):
     assert max(gradient.abs().max() for gradient in wanted) > 1e-3
 
 
-@pytest.mark.parametrize("name", ["beta", "kappa", "companion_kl"])
-@pytest.mark.parametrize("wrong", [-1.0, float("inf"), float("nan")])
-def test_a_penalty_that_is_none_is_refused(name, wrong, tiny_base, two_styles):
-    with pytest.raises(ValueError, match=f"{name} must be a finite number that is at least 0, not {wrong}"):
+@pytest.mark.parametrize(("name", "valid"), [("beta", ""), ("kappa", ""), ("companion_kl", ", or None")])
+@pytest.mark.parametrize("wrong", [-1.0, float("inf"), float("nan"), "much"])
+def test_what_is_no_penalty_is_refused(name, valid, wrong, tiny_base, two_styles):
+    with pytest.raises(ValueError, match=f"{name} must be a finite number that is at least 0{valid}, not {wrong!r}"):
         learner(tiny_base, two_styles, **{name: wrong})
 
 
