@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from numbers import Real
 from typing import NamedTuple, cast
 
 import torch
@@ -39,7 +38,7 @@ class Penalties(NamedTuple):
         """
         for name, value in self._asdict().items():
             optional = name == "companion_kl"
-            if not (isinstance(value, Real) and 0.0 <= value < math.inf or optional and value is None):
+            if not (isinstance(value, int | float) and 0.0 <= value < math.inf or optional and value is None):
                 valid = "a finite number that is at least 0" + (", or None" if optional else "")
                 raise ValueError(f"{name} must be {valid}, not {value!r}")
         return self
