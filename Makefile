@@ -35,7 +35,7 @@ pages: docs web
 	rm -rf site/playground
 	cp -R web/dist site/playground
 
-# All adaptations that ship, trained again: about thirty hours on two cores (an estimate: docs/sweeps.md).
+# All adaptations that ship, trained again: about thirty-one hours on two cores (an estimate: docs/sweeps.md).
 pretrained: $(STAMP)
 	$(VENV)/bin/adaptnet sweep pretrained
 

@@ -94,6 +94,7 @@ STACKS = {
     "BigBodyWalk": ("Penguin", "Kicking", "GooseStep", "JauntySkip"),
     "LongThighsWalk": ("Stoop", "Penguin", "Swaggering", "Limp"),
     "LongShinsWalk": ("Pace", "Joyful", "Sashay", "Stomp"),
+    "SuperLongLegsWalk": ("Stoop", "Stomp", "Swaggering", "Strutting"),
 }
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
@@ -102,7 +103,7 @@ PICTURES = {
     "locks": Picture(_beneath(LOCKS), len(LOCKS)),
     "ice": Picture(_beneath(GROUNDS[:1]), 2),
     "terrain": Picture(_beneath(GROUNDS[1:]), 3),
-    "stacks": Picture(_stacks(STACKS), 4, 180),
+    "stacks": Picture(_stacks(STACKS), 4, 160),
     "pushes": Picture((Pane("walk-pushwalk", "PushWalk"), Pane("run-pushrun", "PushRun")), 2),
 }
 """File -> what it shows."""
