@@ -24,17 +24,14 @@ class WeightAverage(nn.Module):
 
     updates: torch.Tensor
 
-    def __init__(self, parameters: Sequence[nn.Parameter], start_share: float = 0.0) -> None:
-        """Average these parameters, from their first update on, with this share of what they are now."""
+    def __init__(self, parameters: Sequence[nn.Parameter]) -> None:
+        """Average these parameters, from their first update on."""
         super().__init__()
         self._parameters_of_policy = tuple(parameters)
-        self._start_share = start_share
         self._latest_in_use = False
         self.register_buffer("updates", torch.zeros((), dtype=torch.long))
         for number, parameter in enumerate(parameters):
             self.register_buffer(f"other_{number}", parameter.detach().clone())
-            if start_share:
-                self.register_buffer(f"start_{number}", parameter.detach().clone())
 
     def watches(self, parameters: Sequence[nn.Parameter]) -> bool:
         """Whether it averages these very parameters."""
@@ -82,9 +79,8 @@ class WeightAverage(nn.Module):
     def update(self, decay: float) -> None:
         """Take in the latest weights, which the parameters must hold; `decay` is what remains of the average."""
         rate = 1.0 if self.updates == 0 else 1.0 - decay
-        for number, (weights, average) in enumerate(self._pairs()):
-            start = self.get_buffer(f"start_{number}") if self._start_share else weights
-            average.lerp_(weights.lerp(start, self._start_share), rate)
+        for weights, average in self._pairs():
+            average.lerp_(weights, rate)
         self.updates += 1
 
 
@@ -97,21 +93,17 @@ class WeightAveraging(BaseCallback):
 
     average: WeightAverage
 
-    def __init__(self, decay: float = 0.98, start_share: float = 0.0) -> None:
+    def __init__(self, decay: float = 0.98) -> None:
         """Choose the memory.
 
         Args:
             decay: what a rollout leaves of the average, at least 0 and below 1: 0.98 averages over some 50 rollouts.
-            start_share: how much the weights that training began with count in the average, at least 0 and below 1.
-                What goes on from something good keeps more of it (Wortsman et al. 2022, "Robust fine-tuning of
-                zero-shot models", arXiv:2109.01903, between both in a straight line, too).
 
         Raises:
-            ValueError: for another decay or share.
+            ValueError: for another decay.
         """
         super().__init__()
         self.decay = checked_decay("the decay of an average", decay)
-        self.start_share = checked_decay("the share of the start in an average", start_share)
         self._while_learning, self._seen = ExitStack(), 0
 
     def _init_callback(self) -> None:
@@ -123,7 +115,7 @@ class WeightAveraging(BaseCallback):
         policy: Any = self.model.policy
         weights = [weight for weight in getattr(policy, "actor", policy).parameters() if weight.requires_grad]
         if not hasattr(self, "average") or not self.average.watches(weights):
-            self.average = WeightAverage(weights, self.start_share)
+            self.average = WeightAverage(weights)
 
     def _on_training_start(self) -> None:
         self._seen = self._updates()
