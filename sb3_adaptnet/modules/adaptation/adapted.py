@@ -78,6 +78,7 @@ class AdaptedActor(Actor):
         self.companions: Companions | None = None
         self.in_part: InPart | None = None
         self._layers: list[tuple[torch.Tensor, torch.Tensor]] | None = None  # summed, within `one_update`
+        self._passes = 1
 
     def parts(self) -> dict[str, Adaptation]:
         """The adaptations by name."""
@@ -119,14 +120,12 @@ class AdaptedActor(Actor):
 
     @contextmanager
     def one_update(self, passes: int) -> Iterator[None]:
-        """Sum the layers once for all `passes`, and penalise the mean of their injections."""
-        penalties = self.penalties
-        self._layers = self.hidden_layers()
-        self.penalties = penalties._replace(beta=penalties.beta / passes)
+        """Sum the layers once for all `passes`, and penalise the mean of what they inject and do."""
+        self._layers, self._passes = self.hidden_layers(), passes
         try:
             yield
         finally:
-            self._layers, self.penalties = None, penalties
+            self._layers, self._passes = None, 1
 
     @contextmanager
     def at_strengths(self, strengths: torch.Tensor) -> Iterator[None]:
@@ -140,8 +139,9 @@ class AdaptedActor(Actor):
     def injections(self, observation: Observation, base_latent: torch.Tensor) -> dict[int, torch.Tensor]:
         """Latent space index -> sum of the scaled offsets of all active adaptations (eq. 4)."""
         total: dict[int, torch.Tensor] = {}
+        beta = self.penalties.beta / self._passes
         for scale, adaptation in self.active():
-            for space, offset in adaptation.injections(observation, base_latent, self.penalties.beta).items():
+            for space, offset in adaptation.injections(observation, base_latent, beta).items():
                 total[space] = offset * scale if space not in total else total[space].add(offset, alpha=scale)
         if self.in_part is not None:
             total = {space: self.in_part.scaled(offset) for space, offset in total.items()}
@@ -166,7 +166,7 @@ class AdaptedActor(Actor):
             return mean, log_std
         alone = observation.companion_mean
         alone = self.companions_alone(observation) if alone is None else alone
-        return penalise_distance(mean, alone, log_std, self.penalties.companion_kl), log_std
+        return penalise_distance(mean, alone, log_std, self.penalties.companion_kl, self._passes), log_std
 
     def remembering(self, observation: Observation) -> Observation:
         """The observation with what nothing that learns can change: the base's code, and what the companions do."""

@@ -57,14 +57,17 @@ def penalise_injections(injections: dict[int, torch.Tensor], beta: float) -> dic
     return {space: add_gradient(x, scale) for space, x in injections.items()}
 
 
-def penalise_distance(mean: torch.Tensor, other: torch.Tensor, log_std: torch.Tensor, free: float) -> torch.Tensor:
-    """Penalty 0.01 * the batch's mean of max(KL - free, 0), KL of Gaussians with the same standard deviations.
+def penalise_distance(
+    mean: torch.Tensor, other: torch.Tensor, log_std: torch.Tensor, free: float, passes: int = 1
+) -> torch.Tensor:
+    """Penalty 0.01 / passes * the batch's mean of max(KL - free, 0), KL of Gaussians with the same standard deviations.
 
     Args:
         mean: (B, n) means that learn.
         other: (B, n) means that they must stay near.
         log_std: (B, n) log standard deviations of both.
         free: how much divergence [nat] costs nothing.
+        passes: how many passes of an update pay it, each its share.
 
     Returns:
         The means, with the penalty's gradient attached.
@@ -72,7 +75,7 @@ def penalise_distance(mean: torch.Tensor, other: torch.Tensor, log_std: torch.Te
     with torch.no_grad():
         precision = torch.exp(-2.0 * log_std)
         divergence = 0.5 * ((mean - other).square() * precision).sum(dim=1, keepdim=True)
-        scale = (DISTANCE_COST / max(len(mean), 1)) * precision * (divergence > free)
+        scale = (DISTANCE_COST / passes / max(len(mean), 1)) * precision * (divergence > free)
     return other + add_gradient(mean - other, scale)
 
 

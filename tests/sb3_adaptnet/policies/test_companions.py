@@ -80,6 +80,11 @@ def test_it_stays_near_what_its_companions_do_alone(tiny_base, two_styles):
     for gradient, parameter in zip(wanted, policy.actor.adaptations.parameters(), strict=True):
         torch.testing.assert_close(parameter.grad, gradient, rtol=1e-4, atol=1e-7)
     assert max(gradient.abs().max() for gradient in wanted) > 1e-3
+    policy.zero_grad()
+    with policy.actor.one_update(3):  # each pass pays its share
+        sum((0.0 * policy.get_distribution(obs).distribution.mean).sum() for _ in range(3)).backward()
+    for gradient, parameter in zip(wanted, policy.actor.adaptations.parameters(), strict=True):
+        torch.testing.assert_close(parameter.grad, gradient, rtol=1e-4, atol=1e-7)
 
 
 @pytest.mark.parametrize(("name", "valid"), [("beta", ""), ("kappa", ""), ("companion_kl", ", or None")])
