@@ -10,11 +10,11 @@ from stable_baselines3.common.logger import Logger
 from torch import nn
 from torch.nn import functional
 
-from sb3_adaptnet.algorithms.cost_returns import costs_to_go
 from sb3_adaptnet.algorithms.imagination import Imagined
+from sb3_adaptnet.algorithms.rollouts.cost_returns import costs_to_go
 from sb3_adaptnet.algorithms.rollouts.real_rollout import Guided, RealRollout, moving
-from sb3_adaptnet.algorithms.svg_loss import CostToCome, state_costs
-from sb3_adaptnet.algorithms.svg_settings import CostToGo, LossWeights
+from sb3_adaptnet.algorithms.svg_loss import CostToCome, LossWeights, state_costs
+from sb3_adaptnet.algorithms.svg_settings import CostToGo
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.algorithms.tracking.travel_loss import VELOCITY_SCALE, travel_errors
 from sb3_adaptnet.objectives.schedule import value_at

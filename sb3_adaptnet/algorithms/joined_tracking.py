@@ -1,6 +1,7 @@
 """Tracked worlds beside companions: each group follows a motion of its own, and all are one batch."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import chain
 from typing import Any
 
@@ -94,6 +95,16 @@ class JoinedTrackedWorlds:
         joined = {name: np.concatenate([step[name] for step in steps]) for name in steps[0]}
         guidance = Guidance(**{name: np.concatenate([part[name] for part in guided]) for name in guided[0]})
         return TrackedStep(**joined, infos=infos, guidance=guidance)
+
+
+@contextmanager
+def own_goals(env: Env) -> Iterator[None]:
+    """Afterwards new goals lie again where they did before, whatever schedules made of that meanwhile."""
+    before = np.asarray(env.get_attr("goal_spread"), np.float64)
+    try:
+        yield
+    finally:
+        env.set_attr("goal_spread", before)
 
 
 def tracked_worlds(

@@ -1,46 +1,56 @@
 """An algorithm that learns a policy of this package together with a world model, from an `AdaptVecEnv`."""
 
-import copy
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Self, cast
 
 import numpy as np
 import torch
 from gymnasium import spaces
 from numpy.typing import NDArray
-from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 from stable_baselines3.common.utils import FloatSchedule
 from tqdm import tqdm
 
+from sb3_adaptnet.algorithms.averaged import AveragedAlgorithm
 from sb3_adaptnet.algorithms.checks import NEW
 from sb3_adaptnet.algorithms.cost_critic import LEARNING_RATE, CostCritic
 from sb3_adaptnet.algorithms.gradient_taming import NormLimit
-from sb3_adaptnet.algorithms.model_learning import fit_anew, fitted_to, record
+from sb3_adaptnet.algorithms.model_learning import fit_anew, fitted_to, opened, record
+from sb3_adaptnet.algorithms.rollouts.strengths import acting_at
 from sb3_adaptnet.algorithms.servo_regression import regress_to_servo_aims, servo_aims
-from sb3_adaptnet.algorithms.svg_settings import ModelFits, ModelRefresh
+from sb3_adaptnet.algorithms.svg_loss import LossSchedules
+from sb3_adaptnet.algorithms.svg_settings import CostToGo, Episodes, Exploration, ModelFits, ModelRefresh, grouped
+from sb3_adaptnet.algorithms.tracking.guide import Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_groups import Env, character_of, groups_of, worlds_of
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
 from sb3_adaptnet.modules.observation import COMPANION, FLAT
 from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
-from sb3_adaptnet.objectives.weight_average import WeightAverage
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.optimizer_groups import restore_moments
 from sb3_adaptnet.policies.space_contract import default_base
-from sb3_adaptnet.weights.weight_file import CheckpointError
 from sb3_adaptnet.world_model.fitting.collecting import Act
 from sb3_adaptnet.world_model.model import Sizes, WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions
-from sb3_adaptnet.world_model.world_file import beside_base, read_world
 
 ADAM = {"eps": 1e-8, "betas": (0.9, 0.98)}
 """The policy's optimiser: gradients are small, and a rollout's windows resemble each other."""
 
+GROUPS: dict[str, Callable[[Any], Any]] = {
+    "episodes": partial(grouped, Episodes),
+    "guiding": partial(grouped, Guiding),
+    "exploration": partial(grouped, Exploration),
+    "model_refresh": partial(grouped, ModelRefresh),
+    "model_fits": partial(grouped, ModelFits),
+    "loss_weights": LossSchedules.of,
+    "cost_to_go": partial(grouped, CostToGo),
+}
+"""Settings that are groups: name -> what makes one of a mapping."""
 
-class ModelBasedAlgorithm(BaseAlgorithm):
+
+class ModelBasedAlgorithm(AveragedAlgorithm):
     """Builds, saves and loads what a model-based learner consists of; how it learns is a subclass's matter.
 
     Attributes:
@@ -53,7 +63,6 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         rng: source of all randomness but the networks' first weights and the worlds.
     """
 
-    policy: ObjectivePolicy
     world_model: WorldModel
     world_optimizer: torch.optim.Optimizer
 
@@ -88,7 +97,7 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self.model_refresh, self.model_fits, self.norm_limit = model_refresh, model_fits, NormLimit()
         self._fits_done, self._recorded = 0, list[Transitions]()
         self._n_updates, self._begun = 0, False
-        self._average: WeightAverage | None = None
+        self._average = None
         if init_setup_model:
             self._open_world_model(world_model)
             self._setup_model()
@@ -98,18 +107,9 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         if given == NEW:
             self.world_model = WorldModel(character_of(self._worlds_of_env()), Sizes(width=self.model_fits.width))
         else:
-            self.world_model = self._known_world_model(given)
-        self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
-
-    def _known_world_model(self, given: str | Path | WorldModel | None) -> WorldModel:
-        if given is None:
             base = (self.policy_kwargs or {}).get("base") or default_base(self.action_space)
-            given = beside_base(base)
-            if not given.is_file():
-                fit = f"fit one by `adaptnet world-model fit {base}`, and name its file"
-                raise CheckpointError(f"{str(base)!r} has no {given.name} beside it: {fit}")
-        model = copy.deepcopy(given) if isinstance(given, WorldModel) else read_world(given).model
-        return fitted_to(model, character_of(self._worlds_of_env()))
+            self.world_model = fitted_to(opened(given, base), character_of(self._worlds_of_env()))
+        self._model_description = (self.world_model.character, self.world_model.sizes)  # from which `load` builds it
 
     def _worlds_of_env(self) -> Env:
         return worlds_of(self.env, self.observation_space)
@@ -162,22 +162,9 @@ class ModelBasedAlgorithm(BaseAlgorithm):
             hidden = None if progress_bar or self.verbose else True  # None: in a terminal alone
             bar = partial(tqdm, desc="world model", unit=" updates", disable=hidden, leave=False)
             fit_anew(self.world_model, Transitions.together(self._recorded), effort, self.rng, bar)
+            self._learn_by(self.world_model)  # the optimiser's moments were of other weights
             self._fits_done += 1
         return observations
-
-    @property
-    def weight_average(self) -> WeightAverage:
-        """Average of what the policy learns, which the policy holds except while it learns.
-
-        A policy that was given other weights, as by `load_adaptation`, begins a new one.
-        """
-        weights, average = self._learned_weights(), self._average
-        if average is None or not average.watches(weights):
-            self._average = average = WeightAverage(weights)
-        return average
-
-    def _learned_weights(self) -> list[torch.nn.Parameter]:
-        return [parameter for parameter in self.policy.actor.parameters() if parameter.requires_grad]
 
     def _setup_lr_schedule(self) -> None:
         """A constant for the policy's constructor: the learning rate follows the samples, not the progress."""
@@ -186,11 +173,6 @@ class ModelBasedAlgorithm(BaseAlgorithm):
     def _learning_rate_now(self) -> float:
         return value_at(cast(Schedule, self.learning_rate), self.num_timesteps)
 
-    def predict(self, *args: Any, **kwargs: Any) -> tuple[NDArray[Any], tuple[NDArray[Any], ...] | None]:
-        """Act by the average weights; as in Stable-Baselines3."""
-        with self.weight_average.acting():
-            return super().predict(*args, **kwargs)
-
     def _mean_action(self, observations: torch.Tensor, companions: NDArray[np.integer] | None = None) -> torch.Tensor:
         """Mean actions (B, J) for observations (B, 784), beside companions (B,) if there are any."""
         if not isinstance(self.observation_space, spaces.Dict):
@@ -198,13 +180,17 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         numbers = torch.as_tensor(companions, device=observations.device)
         return self.policy.get_distribution({FLAT: observations, COMPANION: numbers}).mode()
 
+    @torch.no_grad()
+    def _mean_actions(
+        self, observations: NDArray[np.float32], strengths: NDArray[np.float32], companions: NDArray[np.integer]
+    ) -> NDArray[np.float32]:
+        """Mean actions (N, J) in all worlds, where what learns acts at its strength there (N,)."""
+        with acting_at(self.policy, strengths):
+            seen = torch.as_tensor(observations, device=self.device)
+            return self._mean_action(seen, companions).cpu().numpy()
+
     def _steady_action(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         return self.predict(observations, deterministic=True)[0]
-
-    def save(self, *args: Any, **kwargs: Any) -> None:
-        """Save, with the average as the policy; as in Stable-Baselines3."""
-        with self.weight_average.acting():
-            super().save(*args, **kwargs)
 
     def world_state(self) -> dict[str, Any]:
         """What a checkpoint needs beside the policy (which is the average): plain values."""
@@ -229,7 +215,8 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         read = state["critic"]["layers.0.weight"].shape[1]
         if read != (now := self.critic.layers[0].in_features):  # older ones' did not read the strength
             raise ValueError(f"the checkpoint's critic reads {read} numbers, now there are {now}: begin the run anew")
-        self._learn_by(WorldModel(self.world_model.character, Sizes.of(state["model"])))  # older ones are wider
+        self._model_description = (self.world_model.character, Sizes.of(state["model"]))  # older ones are wider
+        self._learn_by(WorldModel(*self._model_description))
         self.world_model.load_state_dict(state["model"])
         restore_moments(self.world_optimizer, state["optimizer"])
         self.weight_average.load_state_dict(state["latest"])
@@ -239,8 +226,20 @@ class ModelBasedAlgorithm(BaseAlgorithm):
         self._fits_done, self._begun = state["fits_done"], state["begun"]
         self.rng.bit_generator.state = json.loads(state["rng"])
 
+    @classmethod
+    def load(cls, *args: Any, **settings: Any) -> Self:
+        """Load what `save` wrote, as in Stable-Baselines3; settings that are given anew are checked when it learns.
+
+        Raises:
+            ValueError: for a group that cannot be used, and for a world model: a saved model has its own.
+        """
+        if "world_model" in settings:
+            raise ValueError("a saved model has its own world model; a new SVG takes another")
+        groups = {name: group(settings[name]) for name, group in GROUPS.items() if name in settings}
+        return super().load(*args, **{**settings, **groups})
+
     def _excluded_save_params(self) -> list[str]:
-        return [*super()._excluded_save_params(), "_average", "_recorded"]
+        return [*super()._excluded_save_params(), "_recorded"]
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
         learning = ["policy", "weight_average", "world_model", "critic"]

@@ -1,6 +1,8 @@
 """Fitting a world model that is new, and keeping any up to date with what the policy does."""
 
+import copy
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 from sb3_adaptnet.algorithms.rollouts.recent_rollouts import RecentRollouts
 from sb3_adaptnet.algorithms.svg_settings import ModelRefresh
 from sb3_adaptnet.vec_env import AdaptVecEnv
+from sb3_adaptnet.weights.weight_file import CheckpointError
 from sb3_adaptnet.world_model.character import Character
 from sb3_adaptnet.world_model.fitting.collecting import Act, collect
 from sb3_adaptnet.world_model.fitting.fit import (
@@ -23,6 +26,7 @@ from sb3_adaptnet.world_model.fitting.fit import (
 )
 from sb3_adaptnet.world_model.model import WorldModel
 from sb3_adaptnet.world_model.transitions import Transitions
+from sb3_adaptnet.world_model.world_file import beside_base, read_world
 
 KEPT_ROWS = 50_000
 """Observations that are kept of a record."""
@@ -83,6 +87,20 @@ def refresh(
         descend(model, optimizer, loss)
         losses.append(float(loss.detach()))
     return float(np.mean(losses))
+
+
+def opened(given: str | Path | WorldModel | None, base: str | Path) -> WorldModel:
+    """A model of one's own from a model, a file, or None for the one beside the base.
+
+    Raises:
+        CheckpointError: if there is none, or the file cannot be read.
+    """
+    if given is None:
+        given = beside_base(base)
+        if not given.is_file():
+            fit = f"fit one by `adaptnet world-model fit {base}`, and name its file"
+            raise CheckpointError(f"{str(base)!r} has no {given.name} beside it: {fit}")
+    return copy.deepcopy(given) if isinstance(given, WorldModel) else read_world(given).model
 
 
 def fitted_to(model: WorldModel, character: Character) -> WorldModel:

@@ -21,7 +21,7 @@ from sb3_adaptnet.algorithms import svg_settings as groups
 from sb3_adaptnet.algorithms.cost_critic import RECENT, CriticTraining
 from sb3_adaptnet.algorithms.gradient_taming import GradientTaming
 from sb3_adaptnet.algorithms.imagination import imagine
-from sb3_adaptnet.algorithms.joined_tracking import tracked_worlds
+from sb3_adaptnet.algorithms.joined_tracking import own_goals, tracked_worlds
 from sb3_adaptnet.algorithms.model_based import ModelBasedAlgorithm
 from sb3_adaptnet.algorithms.model_learning import refresh
 from sb3_adaptnet.algorithms.rollouts.real_rollout import RealRollout, RolloutRecorder
@@ -29,10 +29,10 @@ from sb3_adaptnet.algorithms.rollouts.recent_rollouts import RecentRollouts
 from sb3_adaptnet.algorithms.rollouts.reflection import Reflection
 from sb3_adaptnet.algorithms.rollouts.strengths import acting_at
 from sb3_adaptnet.algorithms.svg_log import record_means, record_rollout, record_times
-from sb3_adaptnet.algorithms.svg_loss import CostToCome, window_loss
+from sb3_adaptnet.algorithms.svg_loss import CostToCome, LossSchedules, LossWeights, window_loss
 from sb3_adaptnet.algorithms.tracking.guide import Guiding
 from sb3_adaptnet.algorithms.tracking.tracked_groups import Env, TrackedMotions
-from sb3_adaptnet.objectives.schedule import Schedule, checked_decay
+from sb3_adaptnet.objectives.schedule import Schedule
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.world_model.model import WorldModel
 
@@ -66,7 +66,7 @@ class SVG(ModelBasedAlgorithm):
         exploration: groups.Exploration | Mapping[str, Any] | None = None,
         model_refresh: groups.ModelRefresh | Mapping[str, Any] | None = None,
         model_fits: groups.ModelFits | Mapping[str, Any] | None = None,
-        loss_weights: groups.LossWeights | Mapping[str, Schedule] | None = None,
+        loss_weights: LossWeights | Mapping[str, Schedule] | None = None,
         cost_to_go: groups.CostToGo | Mapping[str, Any] | None = None,
         stats_window_size: int = 100,
         tensorboard_log: str | None = None,
@@ -117,15 +117,13 @@ class SVG(ModelBasedAlgorithm):
             tensorboard_log=tensorboard_log, verbose=verbose, device=device, init_setup_model=_init_setup_model,
         )  # fmt: skip
         self.n_steps, self.window, self.regression_updates = n_steps, window, regression_updates
-        self.batch_size = checks.check_batch(batch_size, None if env is None else self.n_envs)
+        self.batch_size, self.average_decay, self.mirror = batch_size, average_decay, mirror
         self.gradient_steps, self.recent_rollouts = gradient_steps, recent_rollouts
-        self.average_decay, self.mirror = checked_decay("average_decay", average_decay), checks.flag("mirror", mirror)
-        self.episodes = groups.grouped(groups.Episodes, episodes)
-        self.guiding = groups.grouped(Guiding, guiding)
+        self.episodes, self.guiding = groups.grouped(groups.Episodes, episodes), groups.grouped(Guiding, guiding)
         self.exploration = groups.grouped(groups.Exploration, exploration)
-        self.loss_weights = groups.LossSchedules.of(loss_weights)
+        self.loss_weights = LossSchedules.of(loss_weights)
         self.cost_to_go, self.taming = groups.grouped(groups.CostToGo, cost_to_go), GradientTaming()
-        if _init_setup_model:  # `load` sets what was checked already
+        if _init_setup_model:  # `load` has its own settings
             checks.check_settings(self)
 
     def learn(
@@ -137,9 +135,14 @@ class SVG(ModelBasedAlgorithm):
         reset_num_timesteps: bool = True,
         progress_bar: bool = False,
     ) -> Self:
-        """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3."""
-        total, callbacks = self._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
-        env, self.batch_size = self._worlds_of_env(), checks.check_batch(self.batch_size, self.n_envs)
+        """Learn from `total_timesteps` more control steps over all worlds; as in Stable-Baselines3.
+
+        Raises:
+            ValueError: for worlds that the settings or the model do not fit, as `set_env` may bring.
+        """
+        checks.check_settings(self)
+        env, asked = self._worlds_of_env(), (callback, reset_num_timesteps, tb_log_name, progress_bar)
+        total_timesteps, callbacks = self._setup_learn(total_timesteps, *asked)  # as PPO's local is called
         self._motions = TrackedMotions.of(env, self.world_model.character, self.device, self.guiding.gaits)
         self.motion = self._motions.together
         callbacks.on_training_start(locals(), globals())
@@ -149,21 +152,26 @@ class SVG(ModelBasedAlgorithm):
         self._critic_training = CriticTraining(
             self.critic, self.critic_optimizer, self.world_model, self.motion, self.cost_to_go, self.rng, self.logger
         )
+        with own_goals(env):
+            self._go_on(env, total_timesteps, callbacks, log_interval, progress_bar)
+        callbacks.on_training_end()
+        return self
+
+    def _go_on(self, env: Env, samples: int, callback: BaseCallback, log_interval: int | None, shown: bool) -> None:
+        """Collect and learn until there were so many samples, or a callback wants no more."""
         self._set_out(env)
         iteration = 0
-        while self.num_timesteps < total:
+        while self.num_timesteps < samples:
             if self.model_fit_is_due():
-                self._fit_model(self._steady_action, progress_bar)
+                self._fit_model(self._steady_action, shown)
                 self._set_out(env)
-            if not self.collect_rollout(callbacks):
+            if not self.collect_rollout(callback):
                 break
             iteration += 1
-            self._update_current_progress_remaining(self.num_timesteps, total)
+            self._update_current_progress_remaining(self.num_timesteps, samples)
             self.train()
             if log_interval is not None and iteration % log_interval == 0:
                 self.dump_logs(iteration)
-        callbacks.on_training_end()
-        return self
 
     def _set_out(self, env: Env) -> None:
         """Begin new episodes in all worlds, with guides, and forget past rollouts."""
@@ -184,7 +192,9 @@ class SVG(ModelBasedAlgorithm):
         with self.weight_average.learning():
             for _ in range(self.n_steps):
                 before = worlds.now()
-                actions, noise = self._act(observations)
+                mean = self._mean_actions(observations, worlds.strengths, worlds.companions)
+                noise = self.exploration.noise(mean.shape, self.rng)
+                actions = np.clip(mean + noise, -1, 1)
                 step = worlds.step(actions)
                 new_obs, rewards, dones, infos = step.observations, step.rewards, step.dones, step.infos
                 self.num_timesteps += self.n_envs
@@ -199,15 +209,6 @@ class SVG(ModelBasedAlgorithm):
         record_rollout(self.logger, np.stack(errors), worlds)
         callback.on_rollout_end()
         return True
-
-    @torch.no_grad()
-    def _act(self, observations: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Actions (N, J) and the noise that is in them."""
-        with acting_at(self.policy, self._worlds.strengths):
-            seen = torch.as_tensor(observations, device=self.device)
-            mean = self._mean_action(seen, self._worlds.companions).cpu().numpy()
-        noise = self.exploration.noise(mean.shape, self.rng)
-        return np.clip(mean + noise, -1, 1), noise
 
     def train(self) -> None:
         """Refresh the model, then descend along windows of the latest rollouts."""
@@ -224,7 +225,7 @@ class SVG(ModelBasedAlgorithm):
         record_means(self.logger, logs)
 
     def _improve(
-        self, model: WorldModel, rollout: RealRollout, weights: groups.LossWeights, to_come: CostToCome | None
+        self, model: WorldModel, rollout: RealRollout, weights: LossWeights, to_come: CostToCome | None
     ) -> dict[str, float]:
         """One update of the policy along a window of a rollout; returns what to log."""
         part = rollout.window(rollout.drawn_starts(self.window, self.rng), self.window)

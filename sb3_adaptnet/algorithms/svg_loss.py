@@ -1,21 +1,66 @@
 """The loss of a window: tracking, travel, smooth actions, what comes after; the actor adds the penalties of eq. 12."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass
 
 import torch
 
 from sb3_adaptnet.algorithms.imagination import Imagined
 from sb3_adaptnet.algorithms.rollouts.real_rollout import Guided
-from sb3_adaptnet.algorithms.svg_settings import LossWeights
+from sb3_adaptnet.algorithms.svg_settings import grouped
 from sb3_adaptnet.algorithms.tracking.tracked_motion import TrackedMotion
-from sb3_adaptnet.algorithms.tracking.tracking_loss import tracking_loss
-from sb3_adaptnet.algorithms.tracking.travel_loss import goal_loss, travel_errors, travel_loss
+from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights, tracking_loss
+from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights, goal_loss, travel_errors, travel_loss
+from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, value_at
 from sb3_adaptnet.world_model.links import HeadingView
 from sb3_adaptnet.world_model.state import State
 
 CostToCome = Callable[[Imagined], torch.Tensor]
 """Worlds whose window or episode is over -> weighted costs (B,) of what comes after."""
+
+
+@dataclass(frozen=True)
+class LossWeights(TrackingWeights, TravelWeights):
+    """How much the parts of the loss count; see `TrackingWeights` and `TravelWeights`.
+
+    Attributes:
+        smoothness: of squared changes of the actions.
+        symmetry: of squared differences between mean actions in the mirror and the mirror images of those that acted,
+            at the first steps of windows. Without it each side is learned for itself, and one may stay the worse.
+            It needs `mirror`.
+    """
+
+    smoothness: float = 0.02
+    symmetry: float = 0.0
+
+
+@dataclass(frozen=True)
+class LossSchedules:
+    """`LossWeights` that change with the samples: what shapes the end of a training may be in the way of its beginning.
+
+    Attributes:
+        weights: name of a weight -> its schedule; the others keep their defaults.
+    """
+
+    weights: Mapping[str, Schedule]
+
+    @classmethod
+    def of(cls, given: LossWeights | Mapping[str, Schedule] | None) -> "LossSchedules":
+        """Schedules from weights that stay as they are, or by name.
+
+        Raises:
+            ValueError: for an unknown name, or a number that is negative or none.
+        """
+        weights = asdict(given) if isinstance(given, LossWeights) else dict(given or {})
+        grouped(LossWeights, weights)  # refuses names that it has not
+        for name, schedule in weights.items():
+            check_schedule(name, schedule)
+        return cls(weights)
+
+    def at(self, samples: int) -> LossWeights:
+        """The weights after `samples` samples."""
+        return LossWeights(**{name: value_at(schedule, samples) for name, schedule in self.weights.items()})
 
 
 def state_costs(

@@ -1,16 +1,21 @@
 """What one may choose of SVG, in groups; a YAML entry gives each group as a mapping."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sb3_adaptnet.algorithms.checks import check_positive
-from sb3_adaptnet.algorithms.tracking.tracking_loss import TrackingWeights
-from sb3_adaptnet.algorithms.tracking.travel_loss import TravelWeights
-from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, checked_decay, highest, value_at
+from sb3_adaptnet.objectives.schedule import (
+    Schedule,
+    check_number,
+    check_schedule,
+    checked_decay,
+    highest,
+    two,
+)
 from sb3_adaptnet.world_model.model import Sizes
 
 Group = TypeVar("Group")
@@ -31,9 +36,9 @@ class Episodes:
         partial_share: share of the time in which the adaptation acts in part, in each world at a strength drawn from 0
             to 1, so that half a style steers, too. The error ends no such episode, and the style's loss counts by the
             strength squared. Styles far from the base pay for much of it at full strength.
-        retry_share: share of the episodes that follow on one of a loose world that ended by its length or error, which
-            begin 1 to 3 s before one failed, as long as there are such situations. Each comes again until it succeeds
-            three times in a row, nine times at most, with the goal of then; when that is over, others are drawn.
+        retry_share: share of the episodes that follow on one of a loose world at its whole strength, which begin 1 to 3
+            s before one failed, as long as there are such situations. Each comes again until it succeeds three times
+            in a row, nine times at most, with the goal of then; when that is over, others are drawn.
         steps: fewest and most control steps of an episode.
         loose_steps: the same of a loose world.
     """
@@ -55,14 +60,15 @@ class Episodes:
         Raises:
             ValueError: for a negative limit, share or time, a share above 1, or numbers of steps that do not rise.
         """
+        check_number("calm_seconds", self.calm_seconds)
         for name, value in vars(self).items():
-            if name not in ("steps", "loose_steps"):
+            if name not in ("steps", "loose_steps", "calm_seconds"):
                 check_schedule(name, value)
             if name.endswith(("_share", "_spread")) and highest(value) > 1:
                 raise ValueError(f"{name} is a share, at most 1, not {value!r}")
-        for fewest, most in (self.steps, self.loose_steps):
-            if not 0 < fewest <= most:
-                raise ValueError(f"episodes of {fewest} to {most} steps do not exist")
+        for fewest, most in (two("steps", self.steps), two("loose_steps", self.loose_steps)):
+            if not (isinstance(fewest, int) and isinstance(most, int) and 0 < fewest <= most):
+                raise ValueError(f"episodes of {fewest!r} to {most!r} steps do not exist")
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,17 @@ class Exploration:
 
     std: float = 0.05
     share: float = 0.8
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            ValueError: for a negative one, or a share above 1.
+        """
+        check_number("exploration.std", self.std)
+        check_number("exploration.share", self.share)
+        if self.share > 1:
+            raise ValueError(f"exploration.share is a share, at most 1, not {self.share!r}")
 
     def noise(self, shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float32]:
         """Sample it for actions of shape (N, J)."""
@@ -136,8 +153,8 @@ class ModelFits:
         Raises:
             ValueError: unless the first fit comes first, and steps, width and efforts are positive.
         """
-        if not self.efforts or min(self.efforts) != 0:
-            raise ValueError(f"the first fit of a new world model is due at 0 samples, not {dict(self.efforts)}")
+        if not isinstance(self.efforts, Mapping) or not self.efforts or min(self.efforts) != 0:
+            raise ValueError(f"the first fit of a new world model is due at 0 samples, not {self.efforts!r}")
         if self.steps < 1 or self.width < 1 or min(self.efforts.values()) <= 0:
             raise ValueError(f"steps, width and efforts must be positive, not {self}")
 
@@ -159,8 +176,9 @@ class CostToGo:
             and the turns were there, 0.5 outweighed them.
         discount: what a cost counts one control step later.
         trace: lambda of TD(lambda).
-        end_cost: cost-to-go of a fall and of an end by the error. It must be above what a bad state costs otherwise:
-            60 was not. 300 while most episodes still end by their error drowns all else.
+        end_cost: cost-to-go of an end that is the character's fault: a fall, the error, to get lost. It must be above
+            what a bad state costs otherwise: 60 was not. 300 while most episodes still end by their error drowns all
+            else.
         updates: before it acts first, and per rollout from then on.
         average_decay: what an update leaves of the running average of its weights. The average is what judges; with 0
             it is the latest weights.
@@ -184,51 +202,8 @@ class CostToGo:
         if not (0 <= self.discount < 1 and 0 <= self.trace <= 1):
             raise ValueError(f"discount and trace lie within 0 to 1, and discount below 1; not {self}")
         checked_decay("average_decay of cost_to_go", self.average_decay)
-        first, later = self.updates
+        first, later = two("cost_to_go.updates", self.updates)
         check_positive(first_updates=first, later_updates=later)
-
-
-@dataclass(frozen=True)
-class LossWeights(TrackingWeights, TravelWeights):
-    """How much the parts of the loss count; see `TrackingWeights` and `TravelWeights`.
-
-    Attributes:
-        smoothness: of squared changes of the actions.
-        symmetry: of squared differences between mean actions in the mirror and the mirror images of those that acted,
-            at the first steps of windows. Without it each side is learned for itself, and one may stay the worse.
-            It needs `mirror`.
-    """
-
-    smoothness: float = 0.02
-    symmetry: float = 0.0
-
-
-@dataclass(frozen=True)
-class LossSchedules:
-    """`LossWeights` that change with the samples: what shapes the end of a training may be in the way of its beginning.
-
-    Attributes:
-        weights: name of a weight -> its schedule; the others keep their defaults.
-    """
-
-    weights: Mapping[str, Schedule]
-
-    @classmethod
-    def of(cls, given: LossWeights | Mapping[str, Schedule] | None) -> "LossSchedules":
-        """Schedules from weights that stay as they are, or by name.
-
-        Raises:
-            ValueError: for an unknown name, or a number that is negative or none.
-        """
-        weights = asdict(given) if isinstance(given, LossWeights) else dict(given or {})
-        grouped(LossWeights, weights)  # refuses names that it has not
-        for name, schedule in weights.items():
-            check_schedule(name, schedule)
-        return cls(weights)
-
-    def at(self, samples: int) -> LossWeights:
-        """The weights after `samples` samples."""
-        return LossWeights(**{name: value_at(schedule, samples) for name, schedule in self.weights.items()})
 
 
 def grouped(kind: type[Group], given: Group | Mapping[str, Any] | None) -> Group:

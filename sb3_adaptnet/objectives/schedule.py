@@ -1,7 +1,8 @@
 """Numbers that may change with the samples seen: one number, or points that are joined by straight lines."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +37,27 @@ def check_schedule(what: str, points: Schedule) -> None:
 def highest(points: Schedule) -> float:
     """The largest value that a schedule takes."""
     return max(points.values()) if isinstance(points, Mapping) else points
+
+
+def check_number(what: str, number: float) -> None:
+    """Refuse anything but a number that is not negative; `what` says whose it is.
+
+    Raises:
+        ValueError: naming the value.
+    """
+    if not (isinstance(number, Real) and number >= 0):
+        raise ValueError(f"{what} must be a number that is not negative, not {number!r}")
+
+
+def two(what: str, given: Sequence[Any]) -> tuple[Any, Any]:
+    """The two values given; `what` says whose they are.
+
+    Raises:
+        ValueError: for anything but a sequence of two.
+    """
+    if not isinstance(given, Sequence) or len(given) != 2 or isinstance(given, str):
+        raise ValueError(f"{what} must be two values, as in [1, 2], not {given!r}")
+    return given[0], given[1]
 
 
 def checked_decay(what: str, decay: float) -> float:

@@ -49,7 +49,12 @@ class PretrainPolicy(ObjectivePolicy):
                 0.067 to 0.040 within 2.2 M samples of the walk, and the steps that the KL divergence allows with it.
             use_sde: not supported.
             **settings: precision, actor_lr, critic_lr, critic, optimizer_class, optimizer_kwargs of `ObjectivePolicy`.
+
+        Raises:
+            ValueError: for an `initial_std` that is not positive; otherwise as `ObjectivePolicy`.
         """
+        if not initial_std > 0:
+            raise ValueError(f"initial_std must be above 0, not {initial_std!r}")
         super().__init__(observation_space, action_space, lr_schedule, use_sde, **settings)
         architecture = Architecture(
             self.joints, gru_size=gru_size, hidden_sizes=tuple(hidden_sizes), heightmap=self.reads_heightmap

@@ -29,7 +29,13 @@ class TrackedMotions(NamedTuple):
 
     @classmethod
     def of(cls, env: Env, character: Character, device: torch.device, gaits: Sequence[float]) -> "TrackedMotions":
-        """Prepare what worlds of one character follow; `gaits` as in `references_of`."""
+        """Prepare what worlds of one character follow; `gaits` as in `references_of`.
+
+        Raises:
+            ValueError: if the worlds are of another character, as those of `set_env` can be.
+        """
+        if character_of(env) != character:
+            raise ValueError("the worlds have another body than those that the model was made for: make a new SVG")
         references = references_of(env, gaits)
         motions = [TrackedMotion.of(character, device, own) for own in references]
         if len(motions) == 1:

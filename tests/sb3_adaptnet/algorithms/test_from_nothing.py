@@ -27,12 +27,12 @@ def walk_worlds():
 
 @pytest.fixture
 def make(walk_worlds):
-    def make(efforts=None, **choices):
+    def make(efforts=None, weight=0.25, **choices):
         fits = {"efforts": efforts or {0: 0.002}, "steps": STEPS, "width": 16}
         return SVG(
             PretrainPolicy, walk_worlds, "new", policy_kwargs=SIZES, model_fits=fits, guiding={"gaits": [0.9, 1.3]},
             n_steps=8, window=4, gradient_steps=2, regression_updates=3, model_refresh={"updates": 1, "batch": 16},
-            cost_to_go={"updates": [3, 1]}, seed=0, device="cpu", **choices,
+            cost_to_go={"updates": [3, 1], "weight": weight}, seed=0, device="cpu", **choices,
         )  # fmt: skip
 
     return make
@@ -71,7 +71,7 @@ def test_of_an_adaptation_the_base_is_recorded(walk_base, monkeypatch):
 
 
 def test_a_later_fit_begins_again_with_all_records(make):
-    model = make({0: 0.002, 100: 0.002})
+    model = make({0: 0.002, 100: 0.002}, weight={0: 0.0, 110: 0.0, 111: 0.25})
     model.learn(WORLDS * STEPS + 48)  # one rollout: 120 samples
     assert (model.world_state()["fits_done"], len(model._recorded)) == (1, 1)
     statistics = model.world_model.dynamics.input_mean.clone()
@@ -127,7 +127,20 @@ def test_a_fit_forgets_what_the_model_knew(walk_worlds):
     assert loss_of(model, data, starts, 1) < 0.8 * loss_of(guess, data, starts, 1)
 
 
+def test_a_fit_after_the_critic_began_is_refused(make):
+    for weight in (0.25, {0: 0.0, 50: 0.25}, {0: 0.25, 100: 0.0}):
+        with pytest.raises(ValueError, match="expected 0 until the last fit of the model, at 100"):
+            make({0: 0.002, 100: 0.002}, weight=weight)
+
+
 def test_fits_that_make_no_sense_are_refused():
-    for wrong in ({"efforts": {100: 0.3}}, {"efforts": {}}, {"efforts": {0: 0.0}}, {"width": 0}, {"steps": 0}):
+    for wrong in (
+        {"efforts": {100: 0.3}},
+        {"efforts": 0.3},
+        {"efforts": {}},
+        {"efforts": {0: 0.0}},
+        {"width": 0},
+        {"steps": 0},
+    ):
         with pytest.raises(ValueError, match=r"first fit|positive"):
             ModelFits(**wrong)

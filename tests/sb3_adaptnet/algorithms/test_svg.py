@@ -54,6 +54,61 @@ def test_a_saved_model_acts_alike_and_goes_on(make_svg, tmp_path):
     assert SVG.load(tmp_path / "model", device="cpu").env is None
 
 
+def test_settings_given_anew_are_checked_and_what_stays_stays(make_svg, tmp_path):
+    model = make_svg(episodes={"steps": (2, 5)})
+    model.save(tmp_path / "model")
+    loaded = SVG.load(tmp_path / "model", device="cpu", guiding={"turn_rate": 2.0}, window=3)
+    assert (loaded.guiding.turn_rate, loaded.window, loaded.episodes.steps) == (2.0, 3, (2, 5))
+    for wrong, words in (
+        ({"episodes": {"step": (2, 5)}}, "Episodes has no 'step'"),
+        ({"loss_weights": {"gaol": 1.0}}, "LossWeights has no 'gaol'"),
+        ({"window": 9}, "window is 9, expected 1 to n_steps"),
+        ({"mirror": "no"}, "mirror is 'no'"),
+        ({"average_decay": 7}, "average_decay must be a number that is at least 0 and below 1, not 7"),
+        ({"regression_updates": -3}, "regression_updates is -3"),
+        ({"world_model": "new"}, "a saved model has its own world model"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            SVG.load(tmp_path / "model", env=model.env, device="cpu", **wrong).learn(16)
+
+
+def test_a_saved_model_does_not_go_on_in_another_body(make_svg, tmp_path):
+    make_svg().save(tmp_path / "model")
+    other = AdaptVecEnv("AdaptNet/Humanoid-LongShinsWalk-v0", num_envs=2, num_threads=1)
+    loaded = SVG.load(tmp_path / "model", env=other, device="cpu")
+    with pytest.raises(ValueError, match="the worlds have another body"):
+        loaded.learn(16)
+
+
+def test_goals_lie_afterwards_where_they_did_before(make_svg):
+    model = make_svg(episodes={"goal_spread": 0.15, "loose_goal_spread": 0.3})
+    model.env.set_attr("goal_spread", 0.7)
+    seen = []
+
+    class Spreads(BaseCallback):
+        def _on_step(self):
+            seen.append(self.training_env.get_attr("goal_spread"))
+            return len(seen) < 3
+
+    model.learn(480, callback=Spreads())
+    assert seen[0] == [0.3] * 3 + [0.15] * 3
+    assert model.env.get_attr("goal_spread") == [0.7] * 6
+
+
+def test_a_progress_bar_knows_how_much_is_left(make_svg):
+    class Asked(BaseCallback):
+        def _on_training_start(self):
+            self.asked = self.locals["total_timesteps"] - self.model.num_timesteps
+
+        def _on_step(self):
+            return True
+
+    asked, model = Asked(), make_svg()
+    for more in (96, 48):
+        model.learn(more, callback=asked, reset_num_timesteps=False)
+        assert asked.asked == more
+
+
 def test_the_log_says_what_happened(make_svg, tmp_path):
     model = make_svg(episodes={"steps": (2, 5)})
     model.set_logger(configure(str(tmp_path), ["csv"]))

@@ -4,13 +4,11 @@ import pytest
 import torch
 
 from sb3_adaptnet.algorithms.checks import check_positive
-from sb3_adaptnet.algorithms.svg_loss import smoothness_loss
+from sb3_adaptnet.algorithms.svg_loss import LossSchedules, LossWeights, smoothness_loss
 from sb3_adaptnet.algorithms.svg_settings import (
     CostToGo,
     Episodes,
     Exploration,
-    LossSchedules,
-    LossWeights,
     ModelRefresh,
     grouped,
 )
@@ -52,13 +50,32 @@ def test_weights_of_the_loss_may_change_with_the_samples():
         LossSchedules.of({"footing": {0: -1.0}})
 
 
+@pytest.mark.parametrize(
+    ("kind", "wrong", "words"),
+    [
+        (Exploration, {"std": -1}, "exploration.std must be a number that is not negative, not -1"),
+        (Exploration, {"std": "5e-2"}, "exploration.std must be a number .* not '5e-2'"),
+        (Exploration, {"share": 7}, "exploration.share is a share, at most 1, not 7"),
+        (Episodes, {"calm_seconds": {0: 1.5}}, "calm_seconds must be a number"),
+        (Episodes, {"steps": 100}, "steps must be two values, .* not 100"),
+        (Episodes, {"steps": (5, 7.5)}, "episodes of 5 to 7.5 steps"),
+        (CostToGo, {"updates": [300]}, r"cost_to_go.updates must be two values, .* not \[300\]"),
+    ],
+)
+def test_what_is_no_such_number_is_refused(kind, wrong, words):
+    with pytest.raises(ValueError, match=words):
+        kind(**wrong)
+
+
 def test_of_updates_and_rollouts_there_must_be_one():
     with pytest.raises(ValueError, match="later_updates is 0"):
         CostToGo(updates=(300, 0))
     with pytest.raises(ValueError, match="recent_rollouts is 0"):
         check_positive(gradient_steps=1, recent_rollouts=0)
+    with pytest.raises(ValueError, match="gradient_steps is 1.5, expected a whole number"):
+        check_positive(gradient_steps=1.5)
     for name in ("updates", "batch", "rollouts"):
-        with pytest.raises(ValueError, match=f"model_refresh.{name} is 0, expected at least 1"):
+        with pytest.raises(ValueError, match=f"model_refresh.{name} is 0, expected a whole number of at least 1"):
             ModelRefresh(**{name: 0})
     with pytest.raises(ValueError, match="model_refresh.learning_rate is 0, expected one above 0"):
         ModelRefresh(learning_rate=0)

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from sb3_adaptnet.algorithms.cost_returns import costs_to_go
+from sb3_adaptnet.algorithms.rollouts.cost_returns import costs_to_go
 
 NO = (False,) * 4
 

@@ -41,7 +41,7 @@ def test_a_rollout_acts_in_part_and_says_so(svg):
     assert (rollout.strengths < 1).any() and (rollout.strengths == 1).any()
     before = svg._last_obs
     with svg.weight_average.learning(), torch.no_grad():
-        there, _ = svg._act(before)
+        there = svg._mean_actions(before, svg._worlds.strengths, svg._worlds.companions).clip(-1, 1)
         for world, strength in enumerate(rollout.strengths):
             with at_alpha(svg.policy, float(strength)):
                 alone = svg._mean_action(torch.as_tensor(before)).clamp(-1, 1)[world]
