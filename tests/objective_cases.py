@@ -24,10 +24,10 @@ def effort(step):
     return -np.square(step["actions"]).mean(axis=1)
 
 
-def make_model(env=None, seed=0, **kwargs):
+def make_model(env=None, seed=0, precision="fp32", **kwargs):
     env = AdaptVecEnv(ToyVectorEnv(16, drift=0.03)) if env is None else env
     settings = {"n_steps": 16, "batch_size": 64, "n_epochs": 2, "gamma": 0.9, "gae_lambda": 0.8, **kwargs}
-    return PPO(PretrainPolicy, env, policy_kwargs=dict(SMALL), seed=seed, **settings)
+    return PPO(PretrainPolicy, env, policy_kwargs={**SMALL, "precision": precision}, seed=seed, **settings)
 
 
 def make_callback(k=2, **kwargs):

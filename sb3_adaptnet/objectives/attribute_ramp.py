@@ -1,6 +1,7 @@
 """Environment attributes that change while training goes on: pushes that grow, and the like."""
 
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -46,9 +47,13 @@ class AttributeRamp(BaseCallback):
                 moves it with the samples whatever happens.
 
         Raises:
-            ValueError: if `samples` or `falls_per_minute` is not positive, or `spread` lies outside [0, 1].
+            ValueError: for what is no number, if `samples` or `falls_per_minute` is not positive, or `spread` lies
+                outside [0, 1].
         """
         super().__init__()
+        for name, number in {"first": first, "last": last, "samples": samples, "spread": spread}.items():
+            if not isinstance(number, Real):
+                raise ValueError(f"{name} of a ramp must be a number, not {number!r}")
         if not 0 <= spread <= 1:
             raise ValueError(f"the spread of a ramp lies within 0 to 1, which {spread} does not")
         if samples <= 0:

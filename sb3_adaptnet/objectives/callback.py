@@ -15,11 +15,11 @@ from stable_baselines3.common.utils import obs_as_tensor
 from sb3_adaptnet.modules.observation import COMPANION, FLAT
 from sb3_adaptnet.objectives.buffer import ObjectiveRolloutBuffer
 from sb3_adaptnet.objectives.imitation import ImitationObjective, check_imitation
-from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, KlRange, check_kl_range, kl_range_at, next_step_size
+from sb3_adaptnet.objectives.kl_step_size import KL_RANGE, KlRange, check_steps, kl_range_at, next_step_size
 from sb3_adaptnet.objectives.pose_windows import pose_windows, reference_windows
 from sb3_adaptnet.objectives.reward_terms import TERMS, RewardTerm
 from sb3_adaptnet.objectives.rollout_log import Rollout
-from sb3_adaptnet.objectives.schedule import Schedule
+from sb3_adaptnet.objectives.schedule import Schedule, two
 from sb3_adaptnet.objectives.weighting import DEFAULT_WEIGHTS, GOAL, IMITATION, ObjectiveWeights
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.policies.optimizer_groups import ACTOR, set_step_size, step_size
@@ -78,11 +78,11 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.weights = ObjectiveWeights(objective_weights or DEFAULT_WEIGHTS, in_turns, alone)
         self.reward_terms = {**TERMS, **(reward_terms or {})}
         self.terminal_reward = float(terminal_reward)
-        self.kl_range = (kl_range[0], kl_range[1]) if kl_range is not None else None
-        self.actor_lr_range = (float(actor_lr_range[0]), float(actor_lr_range[1]))
+        self.kl_range = two("kl_range", kl_range) if kl_range is not None else None
+        self.actor_lr_range = two("actor_lr_range", actor_lr_range)
         self.discriminator_kwargs = dict(discriminator or {})
         self.weights.check_rewards((IMITATION, GOAL, *self.reward_terms))
-        _check_steps(self.kl_range, self.actor_lr_range)
+        check_steps(self.kl_range, self.actor_lr_range)
         check_imitation(self.discriminator_kwargs)
         self.objectives = self.weights.names
         self.imitation: ImitationObjective | None = None
@@ -103,6 +103,8 @@ class DiscriminatorRewardCallback(BaseCallback):
 
     def _init_callback(self) -> None:
         model = self._ppo
+        if not isinstance(model, PPO):
+            raise ValueError(f"DiscriminatorRewardCallback goes with PPO, not with {type(model).__name__}")
         if not hasattr(model.policy, "set_objectives"):
             raise ValueError(
                 f"DiscriminatorRewardCallback needs one of this package's policies (AdaptNetPolicy, PretrainPolicy), "
@@ -142,7 +144,7 @@ class DiscriminatorRewardCallback(BaseCallback):
         if IMITATION not in self.objectives:
             return
         _, _, links, numbers = reference_windows(self.training_env, 1, np.random.default_rng(0)).shape
-        settings = {"precision": self._policy.precision, **self.discriminator_kwargs}
+        settings = {"precision": self._policy.requested_precision, **self.discriminator_kwargs}
         settings["network"] = {"links": links, "numbers": numbers, **(settings.get("network") or {})}
         self.imitation = ImitationObjective(device=self.model.device, **settings)
 
@@ -241,10 +243,3 @@ class DiscriminatorRewardCallback(BaseCallback):
         self.rng.bit_generator.state = state["rng"]
         if self.imitation is not None and state["imitation"] is not None:  # an objective may have come since
             self.imitation.load_state_dict(state["imitation"])
-
-
-def _check_steps(kl_range: KlRange | None, lr_range: tuple[float, float]) -> None:
-    if kl_range is not None:
-        check_kl_range(kl_range)
-    if not 0.0 < lr_range[0] <= lr_range[1]:
-        raise ValueError(f"actor_lr_range must be two ascending positive numbers, not {lr_range}")

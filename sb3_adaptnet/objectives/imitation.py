@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 
 from sb3_adaptnet.modules.discriminator import Discriminator, hinge_loss, imitation_reward
-from sb3_adaptnet.modules.layers.precision import autocast
+from sb3_adaptnet.modules.layers.precision import autocast, chosen_precision
 from sb3_adaptnet.policies.optimizer_groups import restore_moments
 
 GRADIENT_PENALTY = 10.0
@@ -56,12 +56,12 @@ class ImitationObjective:
             gradient_penalty: coefficient of eq. 10's last term.
             max_grad_norm: gradients are clipped to this norm.
             share: share of the rollout's windows that the one pass sees, sampled at random, in (0, 1].
-            precision: "fp32", "medium" or "bf16".
+            precision: "fp32", "medium", "bf16" or "auto", as in `use_precision`.
             device: where the network lives.
             network: arguments of `Discriminator` (heads, gru, hidden).
 
         Raises:
-            ValueError: if `batch_size` or `share` is out of range.
+            ValueError: if `batch_size` or `share` is out of range, or for an unknown precision.
         """
         if batch_size < 2 or batch_size % 2:
             raise ValueError(f"the discriminators' batch_size must be even and at least 2, not {batch_size}")
@@ -71,8 +71,8 @@ class ImitationObjective:
         self.gradient_penalty = gradient_penalty
         self.max_grad_norm = max_grad_norm
         self.share = share
-        self.precision = precision
         self.device = torch.device(device)
+        self.precision = chosen_precision(precision, self.device)
         self.discriminator = Discriminator(**(network or {})).to(self.device)
         self.optimizer = torch.optim.Adam(self.discriminator.parameters(), lr=learning_rate, fused=True)
 

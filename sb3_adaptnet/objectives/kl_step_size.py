@@ -2,7 +2,7 @@
 
 import math
 
-from sb3_adaptnet.objectives.schedule import Schedule, check_schedule, times_of, value_at
+from sb3_adaptnet.objectives.schedule import Schedule, check_number, check_schedule, times_of, value_at
 
 KlRange = tuple[Schedule, Schedule]
 """The smallest and largest KL divergence of an update [nats], each a number or samples -> number."""
@@ -38,6 +38,20 @@ def kl_range_at(kl_range: KlRange, samples: int) -> tuple[float, float]:
     """The range [nats] after `samples` samples."""
     low, high = kl_range
     return value_at(low, samples), value_at(high, samples)
+
+
+def check_steps(kl_range: KlRange | None, lr_range: tuple[float, float]) -> None:
+    """Refuse ranges of the KL divergence, where there is one, and of the learning rate that cannot be.
+
+    Raises:
+        ValueError: naming the range.
+    """
+    if kl_range is not None:
+        check_kl_range(kl_range)
+    for bound in lr_range:
+        check_number("each bound of actor_lr_range", bound)
+    if not 0.0 < lr_range[0] <= lr_range[1]:
+        raise ValueError(f"actor_lr_range must be two ascending positive numbers, not {lr_range}")
 
 
 def check_kl_range(kl_range: KlRange) -> None:

@@ -80,17 +80,18 @@ def hyperparameters(
     return dict(experiment(env_id, base, conf_file, algo).arguments)
 
 
-def callbacks(env_id: str, conf_file: str | Path | None = None) -> list[BaseCallback]:
-    """Make the callbacks of the zoo's YAML entry, for `PPO.learn`: discriminators, then ramps, averages and such.
+def callbacks(env_id: str, conf_file: str | Path | None = None, algo: str = "ppo") -> list[BaseCallback]:
+    """Make the callbacks of the zoo's YAML entry, for `learn`: discriminators for PPO, then ramps, averages and such.
 
     Args:
         env_id: such as "AdaptNet/Humanoid-Stoop-v0".
-        conf_file: YAML file, or the name of a shipped one; default "ppo".
+        conf_file: YAML file, or the name of a shipped one; default: the algorithm's.
+        algo: "ppo" or "svg".
 
     Raises:
         ValueError: as `hyperparameters`.
     """
-    return experiment(env_id, conf_file=conf_file).make_callbacks()
+    return experiment(env_id, conf_file=conf_file, algo=algo).make_callbacks()
 
 
 def experiment(
@@ -211,6 +212,15 @@ def _number(where: str, key: str, value: Any) -> Any:
     return value
 
 
+def _numbers(where: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """`_number` of all settings, also of those within others."""
+    found = {}
+    for key, value in settings.items():
+        inner = isinstance(value, dict) and all(isinstance(name, str) for name in value)
+        found[key] = _numbers(where, value) if inner else _number(where, key, value)
+    return found
+
+
 def _callbacks(where: str, entries: Any) -> list[tuple[type, dict[str, Any]]]:
     found = []
     for entry in entries if isinstance(entries, list) else [] if entries is None else [entries]:
@@ -218,7 +228,7 @@ def _callbacks(where: str, entries: Any) -> list[tuple[type, dict[str, Any]]]:
             raise ValueError(f"{where}: each callback has a dash of its own, unlike {', '.join(map(str, entry))}")
         name, settings = next(iter(entry.items())) if isinstance(entry, dict) else (entry, {})
         cls = load_class(where, name, BaseCallback)
-        settings = mapping(f"{where}: {name}", settings or {})
+        settings = _numbers(f"{where}: {name}", mapping(f"{where}: {name}", settings or {}))
         _refuse_unknown(f"{where}: {name}", settings, arguments_of(cls))
         found.append((cls, dict(settings)))
     return found

@@ -71,12 +71,12 @@ def build_learner(
     algorithm: Any = ALGORITHMS[entry.algorithm]
     arguments = {**entry.arguments, **given}
     try:
+        callbacks = entry.make_callbacks()
         model = algorithm(entry.policy, env, seed=settings.seed, device=settings.device, **arguments)
     except (TypeError, AssertionError) as error:  # Stable-Baselines3's own checks, and values of another type
         env.close()
         raise ValueError(f"{entry.env_id}: its settings cannot be used: {error}") from error
     env.seed(settings.seed + samples_done)
-    callbacks = entry.make_callbacks()
     discriminators = next((c for c in callbacks if isinstance(c, DiscriminatorRewardCallback)), None)
     others = [c for c in callbacks if c is not discriminators]
     if discriminators is None and entry.algorithm == "ppo":

@@ -16,8 +16,8 @@ def has_bf16(device: torch.device | str = "cpu") -> bool:
     return bool(capabilities.get("amx_bf16") or capabilities.get("avx512_bf16"))
 
 
-def use_precision(name: str, device: torch.device | str = "cpu") -> str:
-    """Set the process's matmul precision and return the precision that will be used.
+def chosen_precision(name: str, device: torch.device | str = "cpu") -> str:
+    """The precision that a name stands for on a device; nothing is set.
 
     Args:
         name: "fp32", "medium" (fp32 whose products may use bfloat16 inside), "bf16" (bfloat16 autocast around the
@@ -33,8 +33,12 @@ def use_precision(name: str, device: torch.device | str = "cpu") -> str:
     if name not in (*PRECISIONS, "auto"):
         raise ValueError(f"unknown precision {name!r}; choose one of: {', '.join((*PRECISIONS, 'auto'))}")
     chosen = "bf16" if name == "auto" else name
-    if chosen == "bf16" and not has_bf16(device):
-        chosen = "fp32"
+    return "fp32" if chosen == "bf16" and not has_bf16(device) else chosen
+
+
+def use_precision(name: str, device: torch.device | str = "cpu") -> str:
+    """`chosen_precision`, after the process's products were set to it."""
+    chosen = chosen_precision(name, device)
     torch.set_float32_matmul_precision("medium" if chosen == "medium" else "highest")
     return chosen
 

@@ -19,6 +19,8 @@ def test_a_ramp_moves_an_attribute_with_the_samples():
     assert seen == pytest.approx([0.2, 0.15, 0.1, 0.1])
     with pytest.raises(ValueError, match="positive.*0"):
         AttributeRamp("drift", 0.0, 1.0, samples=0)
+    with pytest.raises(ValueError, match="samples of a ramp must be a number, not '1e6'"):
+        AttributeRamp("drift", 0.0, 1.0, samples="1e6")
 
 
 def test_the_worlds_of_a_ramp_with_a_spread_share_out_easy_and_hard():

@@ -1,10 +1,12 @@
 """The callback on stock PPO: rewards, bootstraps and advantages of K objectives, on any vector environment."""
 
+import re
+
 import numpy as np
 import pytest
 import torch
 from objective_cases import DISCRIMINATOR, SMALL, Check, make_callback, make_model, standardised_advantages
-from stable_baselines3 import PPO
+from stable_baselines3 import A2C, PPO
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor, VecNormalize
 from toy_env import ToyEnv, ToyVectorEnv
 
@@ -13,6 +15,7 @@ from sb3_adaptnet import (
     DiscriminatorRewardCallback,
     PretrainPolicy,
 )
+from sb3_adaptnet.modules.layers import precision
 from sb3_adaptnet.policies.optimizer_groups import step_size
 
 
@@ -163,6 +166,16 @@ def test_refuses_what_it_cannot_use():
             DiscriminatorRewardCallback({"goal": weight})
     with pytest.raises(ValueError, match="kl_range"):
         DiscriminatorRewardCallback(kl_range=(0.03, 0.012))
+    for name, value in (("kl_range", 0.02), ("kl_range", [0.02]), ("actor_lr_range", 1e-4)):
+        with pytest.raises(
+            ValueError, match=rf"{name} must be two values, as in \[1, 2\], not {re.escape(repr(value))}"
+        ):
+            DiscriminatorRewardCallback(**{name: value})
+    with pytest.raises(ValueError, match="each bound of actor_lr_range must be a number"):
+        DiscriminatorRewardCallback(actor_lr_range=["1e-6", 1e-3])
+    a2c = A2C("MlpPolicy", DummyVecEnv([ToyEnv]), n_steps=16)
+    with pytest.raises(ValueError, match="goes with PPO, not with A2C"):
+        a2c.learn(16, callback=make_callback())
     stock = PPO("MlpPolicy", DummyVecEnv([ToyEnv]), n_steps=16)
     with pytest.raises(ValueError, match="PretrainPolicy.*ActorCriticPolicy"):
         stock.learn(16, callback=make_callback())
@@ -199,3 +212,14 @@ def test_the_stock_setting_returns_however_often_the_callback_was_initialised():
     callback.init_callback(model)
     model.learn(64, callback=callback)
     assert model.normalize_advantage
+
+
+def test_discriminators_have_the_precision_of_the_device_or_their_own(monkeypatch):
+    """As where the processor has no bfloat16, which the policy is built on, and the card has."""
+    model = make_model(AdaptVecEnv(ToyVectorEnv(4)), precision="auto")
+    monkeypatch.setattr(precision, "has_bf16", lambda device="cpu": device == model.device)
+    callback = make_callback()
+    model.learn(64, callback=callback)
+    assert (callback.imitation.precision, model.policy.precision) == ("bf16", "bf16")
+    with pytest.raises(ValueError, match="unknown precision 'bf17'; choose one of: fp32"):
+        model.learn(64, callback=DiscriminatorRewardCallback(discriminator={"precision": "bf17"}))

@@ -94,6 +94,8 @@ def test_hyperparameters_are_a_fresh_dict_with_the_base():
     ({"learning_rate": "5e-6"}, "learning_rate.*5e-06|learning_rate.*text"),
     ({"policy_kwargs": {"actor_lr": "5e-6"}}, "actor_lr is text to YAML"),
     ({"seed": 3}, "unknown key 'seed'"),
+    ({"callback": {"sb3_adaptnet.DiscriminatorRewardCallback": {"discriminator": {"learning_rate": "5e-5"}}}},
+     "learning_rate is text to YAML"),
     ({"callback": {"sb3_adaptnet.AttributeRamp": {}, "sb3_adaptnet.WeightAveraging": {}}}, "a dash of its own"),
 ])  # fmt: skip
 def test_unknown_keys_are_refused(tmp_path, changes, message):
@@ -118,6 +120,7 @@ def test_callbacks_are_fresh_each_time():
         "DiscriminatorRewardCallback", "AttributeRamp", "WeightAveraging", "StyleCallback",
     ]  # fmt: skip
     assert all(a is not b for a, b in zip(first, again, strict=True))
+    assert [type(one).__name__ for one in callbacks(env_id("Stoop"), algo="svg")] == ["StyleCallback"]
     assert (first[0].objectives, first[0].weights.at(0)) == (("imitation", "goal"), [0.2, 0.8])
 
 
