@@ -37,6 +37,7 @@ pages: docs web
 
 # All adaptations that ship, trained again: about thirty-one hours on two cores (an estimate: docs/sweeps.md).
 pretrained: $(STAMP)
+	$(RUN) -m pip install --quiet -c constraints.txt -e ".[sweep]"
 	$(VENV)/bin/adaptnet sweep pretrained
 
 # Sweeps by Ray, whose driver and workers are killed.
