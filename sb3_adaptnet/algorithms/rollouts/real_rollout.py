@@ -79,7 +79,7 @@ class RealRollout:
         headings: (T, N) of the guides after each step [rad], world.
         turn_rates: (T, N) of the guides [rad/s].
         style: (T, N) what the style's loss is worth after each step; less at part of the strength, by its square.
-        failed: (T, N) whether the step ended an episode that is the character's fault: a fall, the error, lost or diverged.
+        failed: (T, N) whether the step ended an episode by the character's fault: a fall, the error, lost, diverged.
         strengths: (N,) at which the adaptation acted, 1 for the whole.
         mirrored: (N,) whether all this is the mirror image of what happened.
         companions: (N,) number of the frozen adaptation that acted beside, 0 for none.
