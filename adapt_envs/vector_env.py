@@ -57,7 +57,7 @@ def apply_options(worlds: Worlds, ids: NDArray[np.integer], options: dict[str, A
             raise ValueError(f"reset option {name} is {value!r}, expected a number")
     if heading is not None or speed is not None or "goal_heading" in options:
         worlds.goals.restore(ids)
-        worlds.hold_goal(heading, speed, ids, until_reset=heading is not None)
+        worlds.goals.hold(ids, heading, speed, until_reset=heading is not None)  # the reset samples
     else:
         worlds.goals.restore(ids)
     return None if start is None else int(start)

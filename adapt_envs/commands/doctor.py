@@ -24,7 +24,7 @@ def add_parser(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the findings; 0 if everything the suite needs is there, else 1."""
+    """Print the findings; 0 if this machine can draw, else 1."""
     del arguments
     drawing, fault = _rendering()
     rows = [

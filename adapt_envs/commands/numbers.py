@@ -10,12 +10,12 @@ _TINY = math.ulp(0.0)
 def positive(text: str) -> int:
     """Parse a positive whole number, also written 2e6."""
     try:
-        value = int(float(text))
-    except (ValueError, OverflowError):
-        value = 0
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
-    return value
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not value.is_integer() or value < 1:  # infinity is no integer
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
+    return int(value)
 
 
 def seed_of(text: str) -> int:

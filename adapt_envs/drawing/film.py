@@ -107,7 +107,7 @@ def _followed(points: NDArray[np.floating], seconds: float = 0.5) -> NDArray[np.
     width = 2 * int(seconds * FPS) + 1
     kernel = np.hanning(width + 2)[1:-1]
     half = width // 2
-    steps = np.diff(points, axis=0)
+    steps = np.diff(points, axis=0) if len(points) > 1 else np.zeros_like(points)
     # The path goes on straight beyond its ends, so that the camera does not lag there.
     before = points[0] + steps[:1] * np.arange(-half, 0)[:, None]
     after = points[-1] + steps[-1:] * np.arange(1, half + 1)[:, None]

@@ -106,8 +106,7 @@ class SceneRenderer:
     def __init__(self, worlds: Worlds, size: tuple[int, int] = PICTURE_SIZE) -> None:
         """Open the renderer for `worlds`; `size` is width and height in pixels."""
         self._worlds, self._size = worlds, size
-        self._scene: Scene | None = None
-        self._middle = np.full(2, np.inf)
+        self._scenes: dict[int, tuple[Scene, Array]] = {}  # by world, with the middle of its piece of ground
 
     def picture(self, world: int = 0, camera: Camera | None = None) -> Image:
         """The world's present state with its goal, (height, width, 3); the camera suits the ground if None.
@@ -116,7 +115,7 @@ class SceneRenderer:
             RenderingError: if this machine cannot draw.
         """
         worlds = self._worlds
-        scene = self._scene_around(worlds.root_xy[world])
+        scene = self._scene_around(worlds.root_xy[world], world)
         data = worlds.physics.mujoco_data(world, scene.data, scene.model)
         camera = camera or (CAMERA if worlds.ground.obstacles is None else HIGH)
         lookat = _look_at(worlds, world)
@@ -135,20 +134,26 @@ class SceneRenderer:
         """
         return self._scene_around(qpos[:2]).picture(qpos, camera, lookat)
 
-    def _scene_around(self, xy: Array) -> Scene:
-        """The scene; of uneven ground only the piece around `xy` (2,) [m] is in it."""
+    def _scene_around(self, xy: Array, world: int = 0) -> Scene:
+        """The scene of all worlds; on uneven ground that of one, with only the piece around `xy` (2,) [m] in it."""
         uneven = self._worlds.ground.surface is not None
-        if self._scene is None or (uneven and np.abs(xy - self._middle).max() > _RECUT):
-            self.close()
+        number = world if uneven else 0
+        scene, middle = self._scenes.get(number, (None, xy))
+        if scene is not None and uneven and np.abs(xy - middle).max() > _RECUT:
+            self._scenes.pop(number)
+            scene.close()
+            scene = None
+        if scene is None:
             model = self._worlds.compiled(self._worlds.ground.for_pictures(xy)) if uneven else self._worlds.model
-            self._scene, self._middle = Scene(model, *self._size), np.array(xy)
-        return self._scene
+            scene = Scene(model, *self._size)
+            self._scenes[number] = scene, np.array(xy)
+        return scene
 
     def close(self) -> None:
         """Give the renderer back."""
-        if self._scene is not None:
-            self._scene.close()
-        self._scene = None
+        for scene, _ in self._scenes.values():
+            scene.close()
+        self._scenes.clear()
 
 
 class Window:

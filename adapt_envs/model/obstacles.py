@@ -138,7 +138,7 @@ class Obstacles:
             spec.worldbody.add_geom(
                 name=f"obstacle_{i}", type=mujoco.mjtGeom.mjGEOM_BOX, material="obstacle",
                 pos=(*centre, (top + self.bottom) / 2), size=(*half, (top - self.bottom) / 2),
-                quat=(np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)), friction=(friction, 0.005, 0.0001),
+                quat=(np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)), friction=(friction, 0.005, 0.0001), priority=1,
             )  # fmt: skip
 
 

@@ -117,8 +117,8 @@ class ReferenceMotion:
             if missing:
                 raise MotionError(f"clip {clip.name!r} lacks the joints {', '.join(missing)}")
         parts = [_Frames.of(clip) for clip in clips]
-        starts = np.cumsum([0, *(len(part.qpos) for part in parts)])[:-1]
-        ranges = [np.arange(s + _PAST, s + len(part.qpos)) for s, part in zip(starts, parts, strict=True)]
+        self._starts = np.cumsum([0, *(len(part.qpos) for part in parts)])[:-1]
+        ranges = [np.arange(s + _PAST, s + len(part.qpos)) for s, part in zip(self._starts, parts, strict=True)]
         self._valid = np.concatenate(ranges)
         self._clip_qpos = np.concatenate([part.qpos for part in parts])
         self._clip_qvel = np.concatenate([part.qvel for part in parts])
@@ -143,7 +143,10 @@ class ReferenceMotion:
     @cached_property
     def _qvel(self) -> NDArray[np.float64]:
         names = self.clips[0].joint_names
-        return self._clip_qvel[:, [*range(6), *(6 + names.index(joint) for joint in self.joint_names)]]
+        qvel = self._clip_qvel[:, [*range(6), *(6 + names.index(joint) for joint in self.joint_names)]]
+        lifts = np.split(self._qpos[:, 2] - self._clip_qpos[:, 2], self._starts[1:])  # by the body's other legs
+        qvel[:, 2] += np.concatenate([np.gradient(lift, CONTROL_DT) for lift in lifts])
+        return qvel
 
     @cached_property
     def _links(self) -> NDArray[np.float32]:

@@ -25,9 +25,11 @@ class PhysicsBatch:
         """Make `num_worlds` worlds on `num_threads` threads; None for one per core.
 
         Raises:
-            ValueError: if there is not at least one thread.
+            ValueError: if there is not at least one world and one thread.
         """
-        if num_threads is not None and num_threads < 1:
+        if not isinstance(num_worlds, int | np.integer) or num_worlds < 1:
+            raise ValueError(f"the number of worlds must be a whole number of at least 1, not {num_worlds!r}")
+        if num_threads is not None and not (isinstance(num_threads, int | np.integer) and num_threads >= 1):
             raise ValueError(f"num_threads must be at least 1, or None for one per core, not {num_threads!r}")
         self.model, self.num_worlds = model, num_worlds
         self._batch = Batch(model, nsim=num_worlds, nthread=num_threads or 0)

@@ -60,10 +60,8 @@ class Worlds:
         self.reference = reference_motion(spec.motion, self._shape, tuple(spec.locked), spec.clip_on_body)
         speeds = preferred_speeds(spec, self.reference.clips[0], self.reference.shown)
         self.spec = replace(spec, speed_range=speeds)
-        self.ground = make_ground(
-            entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles), spec.terrain_seed,
-            spec.terrain_scale,
-        )  # fmt: skip
+        terrain, obstacles = entry("terrain", TERRAINS, spec.terrain), entry("obstacles", OBSTACLES, spec.obstacles)
+        self.ground = make_ground(terrain, obstacles, spec.terrain_seed, spec.terrain_scale)
         self.model = self.compiled(self.ground)
         self.physics = PhysicsBatch(self.model, num_worlds, num_threads)
         self.goals = Goals(num_worlds, self.ground, speeds, spec.timer_range)
@@ -116,6 +114,8 @@ class Worlds:
             self._clocks = GaitClocks(gait_cycles(self.reference, self.goals.speed_range), len(self._all))
             self._clocks.restart(self._all, self._positions)
             self._tracking = self._clocks.rewards(self._positions, self.goals.speed)
+            now = heading_frame_features(self.history, self.ground.floor_at(self.root_xy))[:, -1, :, :3]
+            self._clocks.restart(self._all, now)  # some worlds have begun again since that step
         return self._tracking.copy()
 
     @property
@@ -194,9 +194,11 @@ class Worlds:
             `termination.ENDS`. A world that diverged has its last finite observation and reward 0.
 
         Raises:
-            ValueError: for actions of another shape.
+            ValueError: for actions of another shape, or before a reset.
         """
         actions = np.asarray(actions)
+        if self._last is None:
+            raise ValueError("worlds that were never reset cannot step: call reset() first")
         if actions.shape != (shape := (len(self._all), self.model.nu)):
             raise ValueError(f"actions have the shape {actions.shape}, expected {shape}")
         meant = np.isfinite(actions).all(axis=1)
@@ -241,9 +243,7 @@ class Worlds:
             return seen
         return {"observation": seen, "heightmap": heightmaps(self.ground, root_xy, heading)}
 
-    def hold_goal(
-        self, heading: float | None, speed: float | None, ids: NDArray[np.integer], until_reset: bool = False
-    ) -> None:
+    def hold_goal(self, heading: float | None, speed: float | None, ids: NDArray[np.integer]) -> None:
         """Keep the targets ahead in the world direction `heading` [rad] at `speed` [m/s], as `Goals.hold` has it."""
-        self.goals.hold(ids, heading, speed, until_reset)
+        self.goals.hold(ids, heading, speed)
         self.goals.sample(ids, self.root_xy[ids], self.root_heading[ids], self.rng)

@@ -19,7 +19,6 @@ class Goals:
         distance: (N,) distance to the target when it was sampled [m].
         held_heading: (N,) world heading [rad] the goal is held at, NaN where goals are random.
         held_speed: (N,) preferred speed [m/s] the goal is held at.
-        held_by_reset: (N,) whether it is held because a reset's options asked for it: until the next reset.
         spread: (N,) shares of the circle, centred straight ahead, that random headings come from; 1 is the paper's.
     """
 
@@ -34,7 +33,6 @@ class Goals:
         self.distance = np.zeros(num_worlds, np.float32)
         self.held_heading = np.full(num_worlds, np.nan)
         self.held_speed = np.ones(num_worlds)
-        self.held_by_reset = np.zeros(num_worlds, np.bool_)
         self._held_before = self.held_heading.copy(), self.held_speed.copy()
         self.spread = np.ones(num_worlds)
 
@@ -66,7 +64,6 @@ class Goals:
             raise ValueError(f"a goal's heading must be finite and its speed positive, not {heading} rad, {speed} m/s")
         self.held_heading[ids] = np.nan if heading is None else heading
         self.held_speed[ids] = 1.0 if speed is None else speed
-        self.held_by_reset[ids] = until_reset
         if not until_reset:
             for before, now in zip(self._held_before, (self.held_heading, self.held_speed), strict=True):
                 before[ids] = now[ids]
@@ -74,7 +71,6 @@ class Goals:
     def restore(self, ids: NDArray[np.integer]) -> None:
         """Hold again what held in the worlds `ids` before a reset's options asked for something else."""
         self.held_heading[ids], self.held_speed[ids] = (before[ids] for before in self._held_before)
-        self.held_by_reset[ids] = False
 
     def expire(self) -> NDArray[np.bool_]:
         """Count one control step; return (N,) which goals must be sampled again. Held ones move at every step."""
@@ -96,7 +92,7 @@ class Goals:
     ) -> None:
         """Sample new goals (paper, app. A): direction uniform, speed and timer from their ranges; or held ones.
 
-        On bounded ground targets keep 3 m inside their patch and out of obstacles.
+        On bounded ground random targets keep 3 m inside their patch and out of obstacles, held ones inside the ground.
 
         Args:
             ids: (n,) worlds.

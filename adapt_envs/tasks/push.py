@@ -32,10 +32,14 @@ class PushSchedule:
         """
         if isinstance(self.force, bool) or not isinstance(self.force, Real) or not 0 < self.force < float("inf"):
             raise ValueError(f"force is {self.force!r}, expected a positive number of newtons")
-        low, high = self.interval
-        if not 0 < self.seconds <= low <= high:
+        try:
+            low, high = self.interval
+            possible = 0 < self.seconds <= low <= high < float("inf")
+        except (TypeError, ValueError):  # not two numbers
+            possible = False
+        if not possible:
             found = f"seconds is {self.seconds!r} and interval {self.interval!r}"
-            raise ValueError(f"{found}, expected 0 < seconds <= low <= high")
+            raise ValueError(f"{found}, expected 0 < seconds <= low <= high, all of them finite")
 
 
 class Pushes:

@@ -9,7 +9,7 @@ import stable_baselines3.common.env_checker as sb3_checker
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers.vector import DictInfoToList
 
-from adapt_envs import SUITE, AdaptEnv, env_id, make_vector
+from adapt_envs import SUITE, AdaptEnv, AdaptVectorEnv, env_id, make_vector
 from adapt_envs.spaces import JointSpace
 from adapt_envs.tasks.termination import ENDS
 
@@ -135,6 +135,31 @@ def test_a_seed_means_the_same_episodes_whatever_was_asked_for_before():
     assert (env.worlds.goals.held_heading == 1.0).all()  # what `set_goal` holds stays
     env.reset(options={"goal_heading": None, "goal_speed": None})
     assert np.isnan(env.worlds.goals.held_heading).all()
+
+
+def test_a_seed_means_the_same_episodes_on_bounded_ground_too():
+    """Where targets are drawn again until they are free, as often as the place asks for."""
+    env, found = make_vector(env_id("Obstacles"), 4), []
+    for _ in range(3):
+        found.append(env.reset(seed=3, options={"goal_heading": None, "goal_speed": None})[0])
+        for _ in range(20):
+            env.step(np.tile(env.single_action_space.mean_pose, (4, 1)))
+    assert equal(found[0], found[1]) and equal(found[0], found[2])
+
+
+def test_worlds_that_were_never_reset_do_not_step():
+    env = make_vector(env_id("Walk"), 2)
+    with pytest.raises(ValueError, match="never reset cannot step: call reset"):
+        env.step(np.tile(env.single_action_space.mean_pose, (2, 1)))
+
+
+@pytest.mark.parametrize(
+    ("worlds", "threads", "words"),
+    [(0, 1, "number of worlds .* 0"), (2.5, 1, "not 2.5"), ("3", 1, "not '3'"), (2, 1.5, "num_threads .* 1.5")],
+)
+def test_worlds_and_threads_are_whole_numbers(worlds, threads, words):
+    with pytest.raises(ValueError, match=words):
+        AdaptVectorEnv("Walk", worlds, num_threads=threads)
 
 
 def test_what_a_reset_asked_for_holds_over_what_set_goal_holds_until_the_next_one():

@@ -73,7 +73,7 @@ def foreign_body(bvh: Bvh, joints: JointMap, path: Path) -> ForeignBody:
     """Turn and scale a BVH motion to the character's world; arguments as those of `retarget`.
 
     Raises:
-        MotionError: if a leg has no length.
+        MotionError: if a leg or the trunk has no length.
     """
     pos, quat = bvh.world()
     rest = bvh.rest()
@@ -84,19 +84,22 @@ def foreign_body(bvh: Bvh, joints: JointMap, path: Path) -> ForeignBody:
             if f"{side}_{role}" not in index and len(children):
                 index[f"{side}_{role}"] = int(children[0])
     chain = _spine(bvh, index)
+    above = next((role for role in ("neck", "head") if role in index), None)
+    if above is not None and not chain:
+        raise MotionError(f"{path}: line 1: {above} and hips are the same joint; is the joint map right?")
     index["top"] = chain[-1] if chain else index["left_shoulder"]
     turn = _upright(pos, index, joints.up)
     scale = _metres_per_unit(pos, index, path)
     pos = (rotations.rotate(turn, pos) * scale).astype(np.float64)
     rest = (rotations.rotate(turn, rest) * scale).astype(np.float64)
     middles = [(pos[:, index[f"right_{role}"]] + pos[:, index[f"left_{role}"]]) / 2 for role in ("hip", "shoulder")]
-    above = [] if "neck" in index or "head" in index else [middles[1]]
+    ends = [] if above is not None else [middles[1]]
     return ForeignBody(
         {role: pos[:, i] for role, i in index.items()},
         {role: rotations.multiply(np.broadcast_to(turn, (len(pos), 4)), quat[:, i]) for role, i in index.items()},
         {role: rest[i] for role, i in index.items()},
         turn,
-        np.stack([middles[0], *(pos[:, joint] for joint in chain), *above], axis=1),
+        np.stack([middles[0], *(pos[:, joint] for joint in chain), *ends], axis=1),
     )
 
 

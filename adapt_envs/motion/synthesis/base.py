@@ -34,7 +34,7 @@ def along_path(gait: Gait, commands: list[Command], seconds: float, seed: int, s
     path = follow(commands, DT, sideways, ease=0.2 if walking else 0.46)
     steps = path_steps(gait, path, seed, walking)
     t = path.t[path.t < min(steps.on[-2], seconds + 2 * _MARGIN + 0.1)]
-    course = _course(gait, path, t, both_feet(gait, steps, t), gait_phase(steps, t), walking)
+    course = _course(path, t, both_feet(gait, steps, t), gait_phase(steps, t), walking)
     qpos = body_motion(gait, steps, course, t)
     first = round(_MARGIN * FPS) * OVERSAMPLING
     qpos = qpos[first : first + (round(seconds * FPS) + 1) * OVERSAMPLING]
@@ -42,7 +42,7 @@ def along_path(gait: Gait, commands: list[Command], seconds: float, seed: int, s
     return to_clip(gait.name, qpos, cyclic=False)
 
 
-def _course(gait: Gait, path: Path, t: Array, feet: tuple[FootPath, FootPath], phase: Array, walking: bool) -> Course:
+def _course(path: Path, t: Array, feet: tuple[FootPath, FootPath], phase: Array, walking: bool) -> Course:
     """What the body follows at times t (T,): it looks and leans into turns, and swings its limbs with its speed."""
     n = len(t)
     heading = path.heading[:n]

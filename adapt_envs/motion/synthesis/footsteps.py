@@ -66,9 +66,9 @@ def _offs(on: Array, overlap: Array) -> Array:
 def path_steps(gait: Gait, path: Path, seed: int, walking: bool) -> Footsteps:
     """Contacts along a path with human variation in timing, length and width (2.5 %, 3.5 %, 16 %)."""
     rng = np.random.default_rng(seed)
-    on, lifts = _timing(gait, path, rng, walking)
+    on, lifts = _timing(path, rng, walking)
     n = len(on)
-    off = np.r_[lifts[2:], on[-1] + 0.1, on[-1] + 0.6] if walking else _run_offs(gait, path, on)
+    off = np.r_[lifts[2:], on[-1] + 0.1, on[-1] + 0.6] if walking else _run_offs(path, on)
     side = np.arange(n) % 2
     sign = 2.0 * side - 1
     begin = np.r_[on[0], off[:-1]] if walking else on
@@ -104,7 +104,7 @@ def _within_step(before: Array, pos: Array, yaws: tuple[float, float], sign: flo
     return before + far * ahead + wide * sign * left
 
 
-def _timing(gait: Gait, path: Path, rng: np.random.Generator, walking: bool) -> tuple[Array, Array]:
+def _timing(path: Path, rng: np.random.Generator, walking: bool) -> tuple[Array, Array]:
     """Strikes, and for each the moment at which its swing began."""
     on, lift, still = [0.0], [-0.3], False
     time = 0.0
@@ -138,7 +138,7 @@ def _run_step(speed: float) -> float:
     return float(np.clip(0.385 - 0.013 * speed, 0.33, 0.38))
 
 
-def _run_offs(gait: Gait, path: Path, on: Array) -> Array:
+def _run_offs(path: Path, on: Array) -> Array:
     """Ends of running stances: flights of 0.06 s at 1 m/s to 0.12 s at 3 m/s."""
     flight = np.clip(0.035 + 0.03 * path.at(path.speed, on), 0.06, 0.125)
     off = np.r_[on[1:], on[-1] + 0.36] - flight

@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from adapt_envs.drawing.film import video_frames, write_video
+from adapt_envs.drawing.clip_scene import LOOK_HEIGHT
+from adapt_envs.drawing.film import _followed, video_frames, write_video
 from adapt_envs.motion.library import load_clip
 
 
@@ -41,6 +42,10 @@ def test_an_animation_keeps_its_colours(tmp_path):
     frames, _, _ = read(tmp_path / "film.gif")
     assert frames.shape == pictures.shape
     assert np.abs(frames.astype(float) - pictures).max() < 12
+
+
+def test_a_camera_follows_a_single_frame():
+    assert _followed(np.array([[1.0, 2.0, 0.0]])) == pytest.approx(np.array([[1.0, 2.0, LOOK_HEIGHT]]))
 
 
 def test_what_cannot_be_a_film_is_refused(tmp_path):

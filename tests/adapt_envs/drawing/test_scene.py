@@ -20,3 +20,15 @@ def test_a_scene_that_is_closed_leaves_the_others():
                 goes.picture()
                 stays.picture()
             assert np.abs(stays.picture() - before).max() < 8
+
+
+def test_worlds_far_apart_on_uneven_ground_keep_their_scenes():
+    """Each has its own piece of the ground; cut anew for every picture, each took a second."""
+    env = make_vector(env_id("TerrainHills"), 3, num_threads=1)
+    env.reset(seed=0)
+    with closing(SceneRenderer(env.worlds, (48, 48))) as renderer:
+        first = [renderer.picture(world) for world in range(3)]
+        scenes = dict(renderer._scenes)
+        assert [np.array_equal(renderer.picture(world), first[world]) for world in range(3)] == [True] * 3
+        assert renderer._scenes == scenes and len(scenes) == 3
+    assert not renderer._scenes

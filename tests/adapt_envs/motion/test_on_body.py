@@ -7,7 +7,7 @@ from adapt_envs import AdaptVectorEnv, make_vector
 from adapt_envs.features.heading_frame import heading_frame_features, pose_windows
 from adapt_envs.features.kinematics import Kinematics
 from adapt_envs.model.build import build_character, compile_model
-from adapt_envs.model.humanoid import FEET, LINKS
+from adapt_envs.model.humanoid import CONTROL_DT, FEET, LINKS
 from adapt_envs.model.morphology import MORPHOLOGIES, Morphology
 from adapt_envs.model.soles import lowest_corner
 from adapt_envs.motion.library import load_clip, reference_motion
@@ -44,6 +44,16 @@ def test_legs_half_as_long_again_make_such_steps_in_as_long_a_time_as_a_pendulum
         there = np.abs(shown.qpos[:, 7:] - stoop.qpos[frame, 7:]).max(axis=1)
         assert there.min() < 0.15
     np.testing.assert_allclose(np.linalg.norm(shown.qpos[:, 3:7], axis=1), 1, atol=1e-12)
+
+
+@pytest.mark.parametrize("body", [{"locked": ["right_knee"]}, {"morphology": "long_shins"}, {}])
+@pytest.mark.parametrize("motion", ["run", "Stoop"])
+def test_start_states_move_as_fast_as_their_heights_change(body, motion):
+    """Feet of other legs are put where the clip's were, frame by frame, which moves the root up and down."""
+    reference = reference_motion(motion, MORPHOLOGIES.get(body.get("morphology")), tuple(body.get("locked", ())))
+    _, _, history = reference.states(np.arange(reference.num_states))
+    before, now, after = (history[:, frame, 0] for frame in (1, 2, 3))
+    np.testing.assert_allclose(now[:, 9], (after[:, 2] - before[:, 2]) / (2 * CONTROL_DT), atol=1e-3)
 
 
 def test_feet_stay_on_the_ground_and_hardly_slide(stoop):

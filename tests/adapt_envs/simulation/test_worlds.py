@@ -67,6 +67,13 @@ def test_contact_friction_is_as_asked(asked):
     assert np.allclose(touching, asked)
 
 
+def test_blocks_are_as_slippery_as_the_ground():
+    model = make_vector(env_id("Obstacles"), 1, friction=0.15).worlds.model
+    blocks = [geom for geom in map(model.geom, range(model.ngeom)) if geom.name.startswith("obstacle_")]
+    foot = next(geom for geom in map(model.geom, range(model.ngeom)) if geom.priority[0] == 0)
+    assert blocks and all(block.friction[0] == 0.15 and block.priority[0] > foot.priority[0] for block in blocks)
+
+
 def test_goals_are_redrawn_when_the_timer_ends_and_not_before():
     env = make_vector(env_id("Walk"), 32)
     env.reset(seed=0)

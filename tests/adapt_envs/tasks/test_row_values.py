@@ -34,7 +34,7 @@ REFUSED = [
     ({"fall_height": "low"}, "fall_height is 'low', expected a positive number of metres, or None"),
     ({"push": 1000}, "push is 1000, expected a PushSchedule"),
     ({"push": {"newtons": 5}}, "push has 'newtons', expected force, seconds, interval"),
-    ({"push": {"interval": 5}}, "push is {'interval': 5}, expected values of PushSchedule"),
+    ({"push": {"interval": 5}}, "interval 5, expected 0 < seconds <= low <= high"),
     ({"push": {"force": -5}}, "force is -5, expected a positive number of newtons"),
     ({"morphology": {"length": 2}}, "morphology is {'length': 2}, expected values of Morphology"),
     ({"obstacles": {"height": 1}}, "obstacles is {'height': 1}, expected values of ObstacleField"),
@@ -71,6 +71,12 @@ def test_parts_may_be_written_as_a_yaml_file_does():
     env = make_vector(env_id("Walk"), num_envs=2, push={"force": 200.0})
     assert env.worlds.pushes.schedule == PushSchedule(force=200.0)
     env.close()
+
+
+@pytest.mark.parametrize("interval", [(3, np.inf), 3, (3,), (6, 3), (0.1, 3), ("3", 6), None])
+def test_a_push_has_an_interval(interval):
+    with pytest.raises(ValueError, match="expected 0 < seconds <= low <= high, all of them finite"):
+        PushSchedule(interval=interval)
 
 
 @pytest.mark.parametrize("force", [0, -5, np.nan, np.inf, "5", True])

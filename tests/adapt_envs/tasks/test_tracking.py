@@ -161,6 +161,24 @@ def test_environments_keep_it_for_the_transition_before_a_restart():
     assert env.tracking[fallen].min() > 0.5
 
 
+def test_a_first_reading_after_a_restart_begins_where_the_new_episode_is():
+    env, read_always = make_vector(env_id("Stoop"), 8), make_vector(env_id("Stoop"), 8)
+    for worlds in (env, read_always):
+        worlds.reset(seed=0)
+    read_always.tracking  # noqa: B018  # its clocks go from here on
+    pose = np.tile(env.single_action_space.mean_pose, (8, 1))
+    for _ in range(40):
+        _, _, terminated, truncated, _ = env.step(pose)
+        read_always.step(pose)
+        if (ended := terminated | truncated).any():
+            break
+    assert ended.any()
+    env.tracking, read_always.tracking  # noqa: B018
+    env.step(pose)
+    read_always.step(pose)
+    assert env.tracking[ended] == pytest.approx(read_always.tracking[ended])
+
+
 def test_at_the_target_it_stays_as_it_was_on_arrival():
     env = make_vector(env_id("Stoop"), 4)
     env.reset(seed=0)

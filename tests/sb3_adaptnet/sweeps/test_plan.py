@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -68,7 +69,6 @@ def test_a_run_of_a_graphics_card_learns_there(tmp_path):
         ({"base": "jog.safetensors"}, "no base file 'jog.safetensors'"),
         ({"motion": "moonwalk"}, "moonwalk"),
         ({"world_model": "a.world.safetensors"}, "goes with algo svg, not with ppo"),
-        ({"algo": "svg", "base": "run"}, "no world model '.*run.world.safetensors'"),
         ({"conf_file": "nosuch"}, "no experiment configuration named 'nosuch'"),
         ({"base": "walk-stoop"}, "holds 'adaptation', not 'base'"),
         ({"start": "walk"}, "holds 'base', not 'adaptation'"),
@@ -81,6 +81,15 @@ def test_a_run_of_a_graphics_card_learns_there(tmp_path):
 def test_what_cannot_be_trained_gets_one_sentence(tmp_path, changes, sentence):
     with pytest.raises(ValueError, match=sentence):
         units(tmp_path, tasks=[{"id": STOOP, **changes}])
+
+
+def test_svg_needs_a_world_model_beside_the_base(tmp_path):
+    for kind in ("safetensors", "json"):
+        shutil.copy(pretrained_path("run").with_suffix(f".{kind}"), tmp_path / f"jog.{kind}")
+    task = {"id": STOOP, "base": str(tmp_path / "jog.safetensors")}
+    assert len(units(tmp_path, tasks=[task])) == 1
+    with pytest.raises(ValueError, match="no world model '.*jog.world.safetensors'"):
+        units(tmp_path, tasks=[{**task, "algo": "svg"}])
 
 
 def test_runs_have_names_of_their_own(tmp_path):

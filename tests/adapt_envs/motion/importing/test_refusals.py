@@ -137,6 +137,16 @@ def test_bad_files(case, tmp_path):
     assert re.search(words, sentence), sentence
 
 
+@pytest.mark.parametrize("role", ["neck", "head"])
+def test_a_trunk_without_length(role, tmp_path):
+    joints = {key: name for key, name in strange_map().items() if key not in ("neck", "head")}
+    joint_map = write(tmp_path, "map.yml", _map(joints={**joints, role: joints["hips"]}))
+    motion = write(tmp_path, "motion.bvh", bvh_text(names=STRANGE, frames=12))
+    assert f"{role} and hips are the same joint; is the joint map right?" in _imported(
+        tmp_path, motion, "--map", str(joint_map)
+    )
+
+
 @pytest.mark.parametrize("case", MAP_CASES)
 def test_bad_maps(case, tmp_path):
     content, words = MAP_CASES[case]
