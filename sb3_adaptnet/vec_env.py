@@ -32,6 +32,14 @@ class PosedWorlds(Protocol):
         """Windows (n, 5, 15, 7) of the clips."""
 
 
+def _made_by(env: str | EnvSpec) -> tuple[str, dict[str, Any]]:
+    """Id and arguments of an environment; of a spec its own time limit, where that is not the id's."""
+    if isinstance(env, str):
+        return env, {}
+    own = env.max_episode_steps != gym.spec(env.id).max_episode_steps
+    return env.id, {**({"max_episode_steps": env.max_episode_steps} if own else {}), **env.kwargs}
+
+
 class AdaptVecEnv(VecEnv):
     """A gymnasium `VectorEnv` with SAME_STEP autoreset as a native Stable-Baselines3 `VecEnv`.
 
@@ -70,7 +78,7 @@ class AdaptVecEnv(VecEnv):
         if isinstance(env, VectorEnv):
             self.vector_env = env
         else:
-            env_id, spec_kwargs = (env.id, env.kwargs) if isinstance(env, EnvSpec) else (env, {})
+            env_id, spec_kwargs = _made_by(env)
             kwargs = {"num_threads": num_threads, "stagger": stagger, **spec_kwargs, **env_kwargs}
             try:
                 self.vector_env = gym.make_vec(env_id, num_envs, vectorization_mode="vector_entry_point", **kwargs)
@@ -103,6 +111,8 @@ class AdaptVecEnv(VecEnv):
     def reset(self) -> VecEnvObs:
         """Reset all worlds, with the seed given by `seed` if any; returns observations (N, ...)."""
         options = self._options[0] or None
+        if any(one != self._options[0] for one in self._options):
+            raise ValueError(f"all worlds are reset by the same options, not by {self._options}")
         observations, _ = self.vector_env.reset(seed=self._seeds[0], options=options)
         self._reset_seeds()
         self._reset_options()

@@ -12,18 +12,16 @@ from adapt_envs.drawing.motion_sheet import write_sheet
 from adapt_envs.model.ground import Ground
 from adapt_envs.motion.exporting import write_bvh, write_glb
 from adapt_envs.motion.exporting.extra import gltf_packages
-from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, open_from_options
+from sb3_adaptnet.commands.policy_options import LoadedPolicy, ProgressBar, add_options, base_of, open_from_options
 from sb3_adaptnet.evaluation.alpha import alpha_clips
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import DEFAULT_SECONDS, Evaluation, evaluate
 from sb3_adaptnet.evaluation.pictures import check_world, write_before_after, write_strip
-from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.evaluation.report import text_table
 from sb3_adaptnet.evaluation.rollout_clips import longest, performance_of, typical_clip
 from sb3_adaptnet.evaluation.starts import start_falls
 from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.policies.adaptnet import AdaptNetPolicy
-from sb3_adaptnet.policies.loading import load_base_of, load_policy
 from sb3_adaptnet.weights.checkpoint import resolve
 
 VIDEO_SECONDS = 12.0
@@ -70,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
     check_world(options.world, loaded.env)
     if options.push_scale is not None:
         loaded.env.push_scale = options.push_scale
-    bar, base = ProgressBar("walking"), base_of(loaded, options.base)
+    bar, base = ProgressBar("walking"), base_of(loaded.policy, loaded.name, loaded.env, options.base)
     found = evaluate(loaded.policy, loaded.env, options.seconds, options.seed, bar, base, options.speed)
     begun = None
     if options.starts is not None:
@@ -89,13 +87,6 @@ def run(options: argparse.Namespace) -> int:
     for path in () if options.json else drawn:
         print(f"wrote {path}")
     return 0
-
-
-def base_of(loaded: LoadedPolicy, base: str | None) -> Acting | None:
-    """What a style is compared with: `base`, or the base that the policy's card names; None for an adaptation's own."""
-    if isinstance(loaded.policy, AdaptNetPolicy):
-        return None
-    return load_base_of(loaded.name, loaded.env) if base is None else load_policy(base, loaded.env)
 
 
 def check_outputs(options: argparse.Namespace) -> None:

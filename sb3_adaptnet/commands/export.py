@@ -154,12 +154,13 @@ def card_of(folder: RunFolder, entry: Experiment, samples: int, spec: TaskSpec |
             policy_kwargs[key] = _name(policy_kwargs[key])
     if policy_kwargs.get("companions"):
         policy_kwargs["companions"] = [_name(file) for file in policy_kwargs["companions"]]
+    model = {} if settings.world_model is None else {"world_model": Path(settings.world_model).name}
     training = {
         "samples": samples,
         "seed": settings.seed,
         "worlds": settings.n_envs or entry.n_envs,
         "policy": public_path(entry.policy),
-        entry.algorithm: {**entry.arguments, "policy_kwargs": policy_kwargs},
+        entry.algorithm: {**entry.arguments, **model, "policy_kwargs": policy_kwargs},
         "callbacks": [{cls.__name__: kwargs} for cls, kwargs in entry.callbacks],
         TRAINING_MEANS: means_of(read_rows(folder.progress, samples)[-LAST_ROLLOUTS:]),
     }

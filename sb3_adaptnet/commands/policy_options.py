@@ -12,9 +12,9 @@ from tqdm import tqdm
 
 from adapt_envs import AdaptVectorEnv
 from adapt_envs.commands.numbers import positive
-from sb3_adaptnet.evaluation.recording import WORLDS, open_worlds
+from sb3_adaptnet.evaluation.recording import WORLDS, Acting, open_worlds
 from sb3_adaptnet.policies.adaptnet import TRAINED, AdaptNetPolicy
-from sb3_adaptnet.policies.loading import load_policy
+from sb3_adaptnet.policies.loading import load_base_of, load_policy
 from sb3_adaptnet.policies.objective_policy import ObjectivePolicy
 from sb3_adaptnet.weights.card import trained_in
 from sb3_adaptnet.weights.checkpoint import BASE, read_kind
@@ -160,3 +160,10 @@ class ProgressBar:
         """The items, counted as they pass."""
         hidden = not sys.stderr.isatty()
         return tqdm(items, desc=self.title, leave=False, disable=hidden, dynamic_ncols=True)
+
+
+def base_of(policy: ObjectivePolicy, name: str, env: AdaptVectorEnv, base: str | None = None) -> Acting | None:
+    """What a style is compared with: `base`, or the one that the card of `name` names; None for an adaptation's own."""
+    if isinstance(policy, AdaptNetPolicy):
+        return None
+    return load_base_of(name, env) if base is None else load_policy(base, env)

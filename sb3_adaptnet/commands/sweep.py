@@ -12,7 +12,7 @@ from filelock import Timeout
 from adapt_envs.commands.doctor import usable_cores
 from adapt_envs.commands.exit_codes import INTERRUPTED
 from sb3_adaptnet.commands.export import export
-from sb3_adaptnet.commands.policy_options import open_worlds_for
+from sb3_adaptnet.commands.policy_options import base_of, open_worlds_for
 from sb3_adaptnet.evaluation.card import eval_command, write_evaluation
 from sb3_adaptnet.evaluation.figures import evaluate
 from sb3_adaptnet.policies.loading import load_policy
@@ -75,7 +75,7 @@ def _refuse_together(options: argparse.Namespace) -> None:
     if options.plain and options.address is not None:
         raise ValueError("--plain does without Ray, and --address is that of a Ray cluster: leave out one of them")
     of_status, of_runs = ("csv", "markdown"), ("dir", "address", "plain")
-    ignored = of_runs if options.what[0] == "status" else of_status
+    ignored = {"status": of_runs, "run": of_runs + of_status}.get(options.what[0], of_status)
     given = [f"--{name}" for name in ignored if getattr(options, name)]
     if given:
         raise ValueError(f"{given[0]} does not go with {' '.join(options.what)!r}")
@@ -173,10 +173,12 @@ def finish(place: UnitFolder, unit: Unit) -> None:
         torch.set_num_threads(settings.threads or torch.get_num_threads())
         own = settings.env_id if ":" in settings.env_id else None  # a module's, which no card may name
         env = open_worlds_for(str(file), own, settings.motion if own else None, threads=settings.threads)
-        policy = load_policy(file, env, base=settings.base)
-        found = [evaluate(policy, env, unit.measurement.seconds, seed).figures for seed in unit.measurement.seeds]
+        policy, seconds = load_policy(file, env, base=settings.base), unit.measurement.seconds
+        base = base_of(policy, str(file), env)
+        found = [evaluate(policy, env, seconds, seed, base=base).figures for seed in unit.measurement.seeds]
         env.close()
-        base = None if settings.base in pretrained_names() else settings.base
-        write_evaluation(file, found[0], eval_command(str(file), found[0], base=base))
+        options = {"env": own, "motion": settings.motion if own else None}
+        options["base"] = None if settings.base in pretrained_names() else settings.base
+        write_evaluation(file, found[0], eval_command(str(file), found[0], **options))
     samples = int(RunFolder.open(place.path).load()["samples"])
     place.write_result(unit, samples, file, [figures.as_dict() for figures in found])

@@ -1,15 +1,18 @@
 """`adaptnet world-model`: fit the world model of a base, and see how far it errs."""
 
 import argparse
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from adapt_envs.commands.numbers import positive, seed_of
 from adapt_envs.commands.output import check_output
 from sb3_adaptnet.commands.policy_options import ProgressBar
+from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.runs.error_plot import draw_errors
 from sb3_adaptnet.runs.world_fit import FitPlan, fit_world, record_transitions
-from sb3_adaptnet.weights.card import trained_in
+from sb3_adaptnet.weights.card import environment_of, trained_in
 from sb3_adaptnet.weights.weight_file import check_card_place
 from sb3_adaptnet.world_model.fitting.error_table import HORIZONS, coasting, error_table
 from sb3_adaptnet.world_model.world_file import read_world
@@ -35,7 +38,7 @@ def _add_fit(actions: Any) -> None:
     parser.add_argument("--policies", default="", metavar="A,B", help=words)
     parser.add_argument("--worlds", type=positive, default=512, help="worlds that data come from (default 512)")
     parser.add_argument("--steps", type=positive, default=1700, help="control steps of each (default 1700)")
-    parser.add_argument("--effort", type=float, default=1.0, help="factor on the number of updates (default 1)")
+    parser.add_argument("--effort", type=effort_of, default=1.0, help="factor on the number of updates (default 1)")
     _add_common(parser)
     parser.set_defaults(run=run_fit)
 
@@ -57,12 +60,16 @@ def _add_common(parser: argparse.ArgumentParser) -> None:
 
 def run_fit(options: argparse.Namespace) -> int:
     """Fit, telling the errors of each stage, and say where the file is."""
+    if options.worlds < FitPlan.held_out:
+        raise ValueError(f"{options.worlds} worlds are too few to keep some for judging: at least {FitPlan.held_out}")
     output = options.output or Path(f"{Path(options.base).stem}.world.safetensors")
     check_output(output)
     check_card_place(output)
     policies = (options.base, *(name for name in options.policies.split(",") if name))
+    environment, motion = (options.env, None) if options.env is not None else trained_in(options.base)
     plan = FitPlan(
-        env_id=options.env or trained_in(options.base)[0],
+        env_id=environment,
+        env_kwargs={} if motion is None else {"motion": motion},
         policies=policies,
         worlds=options.worlds,
         steps=options.steps,
@@ -81,8 +88,8 @@ def run_eval(options: argparse.Namespace) -> int:
         check_output(options.output, ".png")
     model, card = read_world(options.file)
     plan = FitPlan(
-        env_id=options.env or card["environment"],
-        policies=(options.policy,) if options.policy else tuple(card["training"]["policies"]),
+        env_id=options.env or environment_of(card, str(options.file)),
+        policies=(options.policy,) if options.policy else policies_of(card, str(options.file)),
         worlds=EVAL_WORLDS,
         steps=EVAL_STEPS,
         seed=options.seed + 1,  # the data of a fit have its own seed
@@ -99,3 +106,28 @@ def run_eval(options: argparse.Namespace) -> int:
         draw_errors(errors, reference, options.output, f"{options.file.name} in {plan.env_id}, seed {options.seed}")
         print(f"wrote {options.output}")
     return 0
+
+
+def policies_of(card: Mapping[str, Any], file: str) -> tuple[str, ...]:
+    """Policies that the card of a world model names.
+
+    Raises:
+        ValueError: if it names none, or what would be fetched because a file says so.
+    """
+    training = card.get("training")
+    names = training.get("policies") if isinstance(training, dict) else None
+    known = names if isinstance(names, list) else []
+    if not known or not all(isinstance(name, str) and not is_address(name) for name in known):
+        raise ValueError(f"{file!r} was fitted to {names!r}; name a policy with --policy")
+    return tuple(known)
+
+
+def effort_of(text: str) -> float:
+    """Parse a positive factor."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive factor")
+    return value

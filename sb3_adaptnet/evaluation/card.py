@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from sb3_adaptnet.evaluation.figures import Figures
+from sb3_adaptnet.hub import is_address
 from sb3_adaptnet.weights.card import amend_card
 from sb3_adaptnet.weights.checkpoint import resolve
 from sb3_adaptnet.weights.weight_file import read_weights
@@ -22,12 +23,12 @@ def eval_command(policy: str, figures: Figures, **options: str | None) -> str:
         policy: name or file of what was measured.
         figures: what was found.
         **options: values of further options by their names, such as `base`; None leaves one out. Files are named
-            without their folders, which mean nothing elsewhere.
+            without their folders, which mean nothing elsewhere; addresses stay.
     """
     words = ["adaptnet", "eval", Path(policy).name, "--seed", str(figures.seed), "--seconds", f"{figures.seconds:g}"]
     for name, value in options.items():
         if value is not None:
-            words += [f"--{name}", value if name == "env" else Path(value).name]
+            words += [f"--{name}", value if name == "env" or is_address(value) else Path(value).name]
     return shlex.join(words)
 
 

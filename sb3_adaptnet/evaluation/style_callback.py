@@ -1,6 +1,7 @@
 """Whether a style is coming, seen while it is learned: the style's figures of the mean action now and then."""
 
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 
@@ -67,9 +68,7 @@ class StyleCallback(BaseCallback):
             self._spent += self._last
 
     def _averages(self) -> list[WeightAverage]:
-        given = self.locals.get("callback")
-        callbacks = given.callbacks if isinstance(given, CallbackList) else [given]
-        return [callback.average for callback in callbacks if isinstance(callback, WeightAveraging)]
+        return [one.average for one in _flat(self.locals.get("callback")) if isinstance(one, WeightAveraging)]
 
     def _report(self, figures: dict[str, Any]) -> None:
         numbers = {name: float(value) for name, value in figures.items() if isinstance(value, bool | int | float)}
@@ -80,6 +79,15 @@ class StyleCallback(BaseCallback):
     def _on_training_end(self) -> None:
         if self._worlds is not None:
             self._worlds.env.close()
+
+
+def _flat(callback: Any) -> Iterator[Any]:
+    """A callback, or those of a list and of the lists within it: a progress bar puts one around another."""
+    if isinstance(callback, CallbackList):
+        for one in callback.callbacks:
+            yield from _flat(one)
+    else:
+        yield callback
 
 
 class _StyleWorlds:

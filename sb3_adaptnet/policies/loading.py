@@ -108,7 +108,7 @@ def _adapted_policy(
     read: AdaptationFile, observations: spaces.Space, actions: spaces.Space, base: str | Path | None
 ) -> ObjectivePolicy:
     method = read.card.get("method")
-    if method not in _ADAPTING:
+    if not isinstance(method, str) or method not in _ADAPTING:
         raise CheckpointError(f"{str(read.file)!r} was made by {method!r}, but known methods are {list(_ADAPTING)}")
     policy = _ADAPTING[method](observations, actions, _no_learning, base=base or _find_base(read))
     policy.load_adaptation(read.file)

@@ -87,7 +87,10 @@ def check_replaceable(folder: Path, weights: Path) -> None:
     if weights.resolve().parent == folder.resolve():
         raise ValueError(f"{folder}: is where {weights.name} itself lies; choose another folder")
     ours = {weights.name, f"{weights.stem}.json", MODEL_CARD, PICTURE, FILM}
-    others = [path.name for path in sorted(folder.iterdir()) if path.name not in ours and path.suffix != ".npz"]
+    motion = read_weights(folder / weights.name)[1].get("motion")
+    if isinstance(motion, str) and not ships(motion):
+        ours.add(Path(motion).name)  # the clip of what was published before
+    others = [path.name for path in sorted(folder.iterdir()) if path.name not in ours]
     if others:
         raise ValueError(f"{folder}: also holds {', '.join(others)}, which would be lost; choose another folder")
 

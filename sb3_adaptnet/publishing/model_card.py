@@ -6,6 +6,7 @@ from typing import Any
 import yaml
 
 from adapt_envs import SUITE, env_id
+from adapt_envs.motion.library import ships
 from sb3_adaptnet.evaluation.report import ROWS, text_of
 from sb3_adaptnet.publishing.model_index import model_index
 from sb3_adaptnet.weights.checkpoint import ADAPTATION
@@ -75,6 +76,7 @@ def _introduction(name: str, card: Mapping[str, Any], base_model: str | None) ->
 
 
 def _use(name: str, card: Mapping[str, Any], repo: str) -> str:
+    imports, motion = _of_motion(card, repo)
     return f"""## Use
 
 ```
@@ -83,16 +85,27 @@ adaptnet eval hf://{repo} --video {name}.mp4
 ```
 
 ```python
-import gymnasium as gym
+{imports}
 from sb3_adaptnet import load_policy
 
-env = gym.make("{card.get("environment")}")
+env = gym.make("{card.get("environment")}"{motion})
 policy = load_policy("hf://{repo}", env)
 observation, _ = env.reset(seed=0)
 action, _ = policy.predict(observation, deterministic=True)
 ```
 
 `{name}.safetensors` holds numbers and a JSON card (`{name}.json` is a copy of it): opening it runs no code."""
+
+
+def _of_motion(card: Mapping[str, Any], repo: str) -> tuple[str, str]:
+    """Imports, and the argument of `gym.make` where the policy learned another motion than the environment's own."""
+    motion, imports = card.get("motion"), "import gymnasium as gym"
+    own = next((spec.motion for row, spec in SUITE.items() if env_id(row) == card.get("environment")), None)
+    if motion is None or motion == own:
+        return imports, ""
+    if ships(motion):
+        return imports, f", motion={motion!r}"
+    return f"{imports}\nfrom huggingface_hub import hf_hub_download", f', motion=hf_hub_download("{repo}", {motion!r})'
 
 
 def _evaluation(card: Mapping[str, Any]) -> str:

@@ -1,5 +1,6 @@
 """The figures of a card as the Hub's evaluation block, `model-index`."""
 
+import shlex
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,7 +20,9 @@ def model_index(name: str, card: Mapping[str, Any]) -> list[dict[str, Any]] | No
     block, environment = card.get("evaluation"), card.get("environment")
     if not block or not environment:
         return None
-    figures = block["figures"]
+    measured, figures = shlex.split(block["command"]), block["figures"]
+    if "--env" in measured:
+        environment = measured[measured.index("--env") + 1]
     own = [field for _, field, _ in ROWS if not field.startswith(_NOT_ITS_OWN)]
     numbers = {field: figures[field] for field in own if type(figures.get(field)) in (int, float)}
     result = {

@@ -34,12 +34,15 @@ def export_world(folder: RunFolder, state: Mapping[str, Any], base: Path, progre
     Returns:
         The file.
     """
-    plan = FitPlan(folder.settings.env_id, (str(base),), WORLDS, STEPS, seed=folder.settings.seed + 1)
+    settings, env_kwargs = folder.settings, dict(folder.experiment.env_kwargs)
+    if settings.motion is not None:
+        env_kwargs["motion"] = settings.motion
+    plan = FitPlan(settings.env_id, (str(base),), WORLDS, STEPS, seed=settings.seed + 1, env_kwargs=env_kwargs)
     data, character = record_transitions(plan, progress)
     weights = state["world"]["model"]
     model = WorldModel(character, Sizes.of(weights))
     model.load_state_dict(weights)
     errors = error_table(model, data, plan.seed)
     name = base.name.removesuffix(WEIGHT_SUFFIX)
-    training = {"policies": [name], "samples": int(state["samples"]), "seed": folder.settings.seed}
+    training = {"policies": [name], "samples": int(state["samples"]), "seed": settings.seed}
     return save_world(model, beside_base(base), environment=plan.env_id, training=training, errors=errors.to_dict())

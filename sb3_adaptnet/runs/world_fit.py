@@ -1,8 +1,8 @@
 """Fitting the world model of a base from nothing: data, stages, errors, file."""
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,7 @@ class FitPlan:
         threads: of physics and networks; None for all cores.
         sizes: of the network.
         held_out: every so many worlds are kept for judging.
+        env_kwargs: further arguments of the environment, such as the motion that the policies learned.
     """
 
     env_id: str
@@ -53,6 +54,7 @@ class FitPlan:
     threads: int | None = None
     sizes: Sizes = Sizes()
     held_out: int = 20
+    env_kwargs: Mapping[str, Any] = field(default_factory=dict)
 
 
 def record_transitions(plan: FitPlan, progress: Progress = iter) -> tuple[Transitions, Character]:
@@ -62,7 +64,8 @@ def record_transitions(plan: FitPlan, progress: Progress = iter) -> tuple[Transi
         ValueError: if an environment or a policy does not exist or does not fit, or there is a heightmap, which world
             models do not know.
     """
-    env = make_vector(plan.env_id, plan.worlds, max_episode_steps=EPISODE_STEPS, stagger=True, num_threads=plan.threads)
+    own = {"max_episode_steps": EPISODE_STEPS, "stagger": True, "num_threads": plan.threads}
+    env = make_vector(plan.env_id, plan.worlds, **{**plan.env_kwargs, **own})
     if env.worlds.spec.heightmap:
         raise ValueError(f"{plan.env_id} has uneven ground, which world models do not know; name another environment")
     low, high = env.worlds.goals.speed_range

@@ -15,7 +15,7 @@ def make_worlds(settings: RunSettings, entry: Experiment, **overrides: Any) -> A
     """Make the run's vector environment; where the policy has companions, worlds for each of them joined into one."""
     kwargs: dict[str, Any] = {"env": settings.env_id, "num_envs": settings.n_envs or entry.n_envs, "stagger": True}
     kwargs.update(training_ground(spec_of(settings.env_id), settings.seed))
-    kwargs.update(num_threads=settings.threads, **entry.env_kwargs)
+    kwargs |= {"num_threads": settings.threads} | entry.env_kwargs
     if settings.motion is not None:
         kwargs["motion"] = settings.motion
     kwargs.update(overrides)

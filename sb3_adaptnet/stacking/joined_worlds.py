@@ -58,6 +58,8 @@ class JoinedWorlds(VecEnv):
         for number, group in enumerate(self.groups):
             if seed is not None:
                 group.seed(seed + 1000 * number)
+        for group, rows in zip(self.groups, self._slices, strict=True):
+            group.set_options(self._options[rows])
         self._reset_seeds()
         self._reset_options()
         return self._joined([group.reset() for group in self.groups])
@@ -114,7 +116,14 @@ class JoinedWorlds(VecEnv):
         return [values[i] for i in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Set an attribute for all worlds; arrays with N rows give every world its row."""
+        """Set an attribute for all worlds; arrays with N rows give every world its row.
+
+        Raises:
+            AttributeError: if they have none of this name.
+            ValueError: if only some worlds are named.
+        """
+        if indices is not None and len(list(self._get_indices(indices))) != self.num_envs:
+            raise ValueError(f"{attr_name!r} can only be set for all {self.num_envs} worlds at once")
         per_world = isinstance(value, np.ndarray) and value.ndim > 0 and len(value) == self.num_envs
         for group, rows in zip(self.groups, self._slices, strict=True):
             group.set_attr(attr_name, value[rows] if per_world else value)
@@ -122,7 +131,7 @@ class JoinedWorlds(VecEnv):
     def env_method(
         self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Call a method of every group once; each result is repeated for its worlds."""
+        """Call a method of every group once, whatever `indices`; each result is repeated for its worlds."""
         results = [group.env_method(method_name, *method_args, **method_kwargs) for group in self.groups]
         values = [value for result in results for value in result]
         return [values[i] for i in self._get_indices(indices)]

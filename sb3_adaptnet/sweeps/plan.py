@@ -8,6 +8,7 @@ import gymnasium as gym
 
 from adapt_envs.motion.library import load_clip, ships
 from adapt_envs.registration import spec_of
+from sb3_adaptnet.algorithms.checks import NEW
 from sb3_adaptnet.runs.experiment import (
     ALGORITHMS,
     Experiment,
@@ -162,13 +163,14 @@ def _files(found: Experiment, motion: str | None, world_model: str | None, start
         files["start"] = str(Path(start).resolve()) if Path(start).is_file() else start
     if world_model is not None and found.algorithm != "svg":
         raise ValueError(f"world_model {world_model!r} goes with algo svg, not with {found.algorithm}")
-    model = Path(world_model) if world_model is not None else None if base is None else beside_base(base)
-    if found.algorithm == "svg" and model is not None and not model.is_file():
-        raise ValueError(f"there is no world model {str(model)!r}")
-    if found.algorithm == "svg" and model is not None:
+    given = found.arguments.get("world_model") if world_model is None else world_model
+    model = Path(given) if given is not None else None if base is None else beside_base(base)
+    if found.algorithm == "svg" and model is not None and given != NEW:
+        if not model.is_file():
+            raise ValueError(f"there is no world model {str(model)!r}")
         read_world(model)
     if world_model is not None:
-        files["world_model"] = str(Path(world_model).resolve())
+        files["world_model"] = world_model if world_model == NEW else str(Path(world_model).resolve())
     if motion is not None:
         load_clip(motion)
         files["motion"] = motion if ships(motion) else str(Path(motion).resolve())

@@ -1,5 +1,6 @@
 """What a weight file's card says, and adding to the card of one that exists; its weights stay as they are."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,17 +38,30 @@ def trained_in(policy: str) -> tuple[str, str | None]:
     """Environment that a weight file's card names, and the clip that it was trained on, None if it names none.
 
     Raises:
-        ValueError: if the card names no environment.
+        ValueError: if the card names no environment, or one that is a module's own.
     """
     file = resolve(policy)
     card = read_weights(file)[1]
+    environment, motion = environment_of(card, policy), card.get("motion")
+    if motion is None:
+        return environment, None
+    if not isinstance(motion, str):
+        raise ValueError(f"the card of {policy!r} says that the motion is {motion!r}; name an environment with --env")
+    beside = file.with_name(motion) if Path(motion).name == motion else None
+    return environment, str(beside) if beside is not None and beside.is_file() else motion
+
+
+def environment_of(card: Mapping[str, Any], file: str) -> str:
+    """Environment that the card of a file names.
+
+    Raises:
+        ValueError: if it names none, or a module's own: gymnasium would import the module because a file says so.
+    """
     environment = card.get("environment")
     if not isinstance(environment, str):
-        raise ValueError(f"{policy!r} does not say what it was trained in; name an environment with --env")
-    if ":" in environment:  # gymnasium would import a module because a file says so
+        raise ValueError(f"{file!r} does not say what it was trained in; name an environment with --env")
+    if ":" in environment:
         raise ValueError(
-            f"{policy!r} was trained in {environment!r}, a module's own; name it with --env, if you trust it"
+            f"{file!r} was trained in {environment!r}, a module's own; name it with --env, if you trust it"
         )
-    motion = card.get("motion")
-    beside = file.with_name(motion) if motion is not None and Path(motion).name == motion else None
-    return environment, str(beside) if beside is not None and beside.is_file() else motion
+    return environment

@@ -181,6 +181,8 @@ def _read(file: Path, kind: str | None) -> tuple[dict[str, torch.Tensor], dict[s
             f"{str(file)!r} reads observations of version {card.get('observation_version')!r}, "
             f"but this package's are of version {OBSERVATION_VERSION}"
         )
+    if not isinstance(card.get("base") or {}, dict):
+        raise CheckpointError(f"the card of {str(file)!r} names {card['base']!r} as its base, not a name and a hash")
     if not all(bool(torch.isfinite(tensor).all()) for tensor in tensors.values()):
         raise CheckpointError(f"{str(file)!r} holds weights that are not finite numbers")
     return tensors, card
@@ -190,7 +192,7 @@ def build_checked(file: Path, card: Mapping[str, Any], build: Any) -> Any:
     """What `build()` makes of a card, or a CheckpointError if the card does not describe a network."""
     try:
         return build()
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, RuntimeError) as error:  # also sizes beyond all memory
         raise CheckpointError(f"the card of {str(file)!r} does not describe a network ({error})") from error
 
 

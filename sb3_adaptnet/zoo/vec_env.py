@@ -5,10 +5,15 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
+from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
 
 from sb3_adaptnet.runs.worlds import training_ground
 from sb3_adaptnet.vec_env import AdaptVecEnv
+
+KNOWN_WRAPPERS = (PassiveEnvChecker, OrderEnforcing, TimeLimit, Monitor)
+"""What `gym.make` and rl_zoo3 put around every environment; the batch does the same by itself."""
 
 
 class ZooVecEnv(AdaptVecEnv):
@@ -30,13 +35,18 @@ class ZooVecEnv(AdaptVecEnv):
         """Make `len(env_fns)` worlds.
 
         Raises:
-            ValueError: if the environment was not made from a registered id.
+            ValueError: if the environment was not made from a registered id, or is wrapped in more than `gym.make` and
+                rl_zoo3 put around every environment.
         """
         single = env_fns[0]()
         spec = single.spec
         single.close()
         if spec is None:
             raise ValueError("ZooVecEnv needs a registered environment; this one has no spec")
+        while isinstance(single, gym.Wrapper):
+            if type(single) not in KNOWN_WRAPPERS:
+                raise ValueError(f"worlds in a batch have no wrappers of their own, as {type(single).__name__} is one")
+            single = single.env
         training = len(env_fns) > 1
         if training:  # rl_zoo3 seeds numpy's global generator before it makes environments
             env_kwargs = {**training_ground(spec, int(np.random.randint(2**31 - 1))), **env_kwargs}

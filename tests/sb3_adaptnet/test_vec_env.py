@@ -3,6 +3,7 @@
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.wrappers import ClipReward
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 from toy_env import ToyVectorEnv
@@ -122,6 +123,30 @@ def test_from_an_id_a_spec_and_zoos_functions():
         assert env.num_envs == 3 and env.reset().shape == (3, 784)
         assert env.action_space.default_base == "walk" and len(env.action_space.joint_names) == 28
         env.close()
+
+
+def test_a_specs_time_limit_holds():
+    def make():
+        return gym.make(WALK, max_episode_steps=5)
+
+    for env in (AdaptVecEnv(make().spec, num_envs=1, num_threads=1), ZooVecEnv([make], num_threads=1)):
+        env.reset()
+        pose = env.action_space.mean_pose[None]
+        ends = [bool(env.step(pose)[2][0]) for _ in range(5)]
+        assert ends == [False] * 4 + [True]
+        env.close()
+
+
+def test_wrappers_of_ones_own_are_refused_where_they_would_be_lost():
+    with pytest.raises(ValueError, match="no wrappers of their own, as ClipReward is one"):
+        ZooVecEnv([lambda: ClipReward(gym.make(WALK), -1, 1)] * 2)
+
+
+def test_options_are_those_of_all_worlds():
+    env = AdaptVecEnv(WALK, num_envs=2, num_threads=1)
+    env.set_options([{"goal_heading": 0.0, "goal_speed": 1.0}, {"goal_heading": 0.0, "goal_speed": 1.4}])
+    with pytest.raises(ValueError, match="all worlds are reset by the same options"):
+        env.reset()
 
 
 def test_same_seed_same_rollout():

@@ -120,8 +120,8 @@ def _opened(part: Part, env: AdaptVectorEnv) -> AdaptNetPolicy:
 def _base_error(style: Part, seed: int, threads: int | None, progress: Progress) -> float | None:
     """The base's tempo-bounded error [m] on a style, on the ground that both were trained on."""
     env = open_row(style.world, threads)
-    straight = record_base(_opened(style, env), env, seed, progress)
-    return None if straight is None else imitation_error(straight, env.worlds.reference.clips[0], BOUNDED).mean
+    straight, reference = record_base(_opened(style, env), env, seed, progress), env.worlds.reference
+    return None if straight is None else imitation_error(straight, reference.clips[0], BOUNDED, reference.model).mean
 
 
 class _Stack:

@@ -3,6 +3,7 @@
 import json
 
 import cv2
+import pytest
 from world_cases import CHARACTER
 
 from sb3_adaptnet.commands import world_model
@@ -36,6 +37,30 @@ def test_a_model_is_fitted_and_measured(tmp_path, capsys, monkeypatch):
     assert f"{hills} has uneven ground" in capsys.readouterr().err
     assert main(["world-model", "eval", "nothing.safetensors", "-o", str(tmp_path / "errors.txt")]) == 2
     assert "must be .png" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("about", "words"),
+    [
+        ({"environment": "evil:AdaptNet/Humanoid-Walk-v0", "training": {"policies": ["walk"]}}, "a module's own"),
+        ({"training": {"policies": ["walk"]}}, "does not say what it was trained in"),
+        ({"environment": "AdaptNet/Humanoid-Walk-v0", "training": {"policies": ["hf://a/b"]}}, "name a policy with"),
+        ({"environment": "AdaptNet/Humanoid-Walk-v0"}, "was fitted to None; name a policy with --policy"),
+    ],
+)
+def test_a_card_makes_nothing_be_imported_or_fetched(about, words, tmp_path, capsys):
+    file = save_world(WorldModel(CHARACTER, Sizes(8, 1)), tmp_path / "walk", **about)
+    assert main(["world-model", "eval", str(file)]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_fits_that_cannot_be_are_refused_before_anything_is_recorded(tmp_path, capsys):
+    words = ["world-model", "fit", "walk", "-o", str(tmp_path / "walk.world.safetensors")]
+    assert main([*words, "--worlds", "5"]) == 2
+    assert "5 worlds are too few" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main([*words, "--effort", "-1"])
+    assert "'-1' is not a positive factor" in capsys.readouterr().err
 
 
 def test_a_model_of_other_joints_is_not_measured(tmp_path, capsys, monkeypatch):

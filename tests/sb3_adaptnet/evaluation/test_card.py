@@ -25,6 +25,7 @@ def test_the_block_holds_every_figure_once():
     ("walk-stoop", {}, "adaptnet eval walk-stoop --seed 4 --seconds 300"),
     ("/far/away/my own.safetensors", {"base": "/there/b.safetensors", "motion": None, "env": "AdaptNet/Humanoid-X-v0"},
      "adaptnet eval 'my own.safetensors' --seed 4 --seconds 300 --base b.safetensors --env AdaptNet/Humanoid-X-v0"),
+    ("a", {"base": "hf://me/walk2"}, "adaptnet eval a --seed 4 --seconds 300 --base hf://me/walk2"),
 ])  # fmt: skip
 def test_the_command_names_no_folders(policy, options, command):
     assert eval_command(policy, FIGURES, **options) == command

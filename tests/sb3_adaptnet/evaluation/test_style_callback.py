@@ -8,7 +8,7 @@ import pytest
 import torch
 from evaluation_cases import STOOP, save_tiny_base
 from stable_baselines3 import PPO
-from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import configure
 from toy_env import ToyEnv, ToyVectorEnv
 from toy_zoo import ENTRY, conf, settings
@@ -56,16 +56,15 @@ def test_at_the_start_an_adaptation_is_measured_as_its_base(tmp_path):
 class StopAfter(BaseCallback):
     """Ends training behind a measurement, and keeps the weights of then."""
 
-    def __init__(self, enough):
+    def __init__(self, enough, averaging):
         super().__init__()
-        self.enough, self.average, self.latest = enough, [], []
+        self.enough, self.averaging, self.average, self.latest = enough, averaging, [], []
 
     def _on_rollout_end(self):
         if self.enough() and not self.average:
             weights = list(self.model.policy.actor.parameters())
             self.latest = [weight.detach().clone() for weight in weights]
-            (averaging,) = (one for one in self.locals["callback"].callbacks if isinstance(one, WeightAveraging))
-            with averaging.average.acting():
+            with self.averaging.average.acting():
                 self.average = [weight.detach().clone() for weight in weights]
 
     def _on_step(self):
@@ -110,7 +109,8 @@ def test_measuring_comes_after_so_many_samples_and_takes_its_share_at_most(clock
     assert clock.measured == times
 
 
-def test_the_average_is_measured_where_there_is_one(monkeypatch):
+@pytest.mark.parametrize("within", [list, lambda callbacks: CallbackList([CallbackList(callbacks)])])
+def test_the_average_is_measured_where_there_is_one(within, monkeypatch):
     measured = []
 
     def measure(policy):
@@ -120,8 +120,8 @@ def test_the_average_is_measured_where_there_is_one(monkeypatch):
     monkeypatch.setattr(style_callback._StyleWorlds, "like", lambda *_: SimpleNamespace(measure=measure, env=ToyEnv()))
     model = PPO(PretrainPolicy, AdaptVecEnv(ToyVectorEnv(8)), policy_kwargs=ENTRY["policy_kwargs"], **PPO_SETTINGS)
     averaging, callback = WeightAveraging(0.9), StyleCallback(samples=64, share=1e9)
-    stop = StopAfter(lambda: len(measured) == 3)
-    model.learn(10**4, callback=[DiscriminatorRewardCallback({"goal": 1.0}), averaging, callback, stop])
+    stop = StopAfter(lambda: len(measured) == 3, averaging)
+    model.learn(10**4, callback=within([DiscriminatorRewardCallback({"goal": 1.0}), averaging, callback, stop]))
     wanted, latest = stop.average, stop.latest
     assert all(map(torch.equal, measured[-1], wanted))
     assert not all(map(torch.equal, measured[-1], latest))

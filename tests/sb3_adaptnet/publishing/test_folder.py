@@ -70,7 +70,15 @@ def test_a_clip_that_does_not_ship_comes_along(adapted, tmp_path):
         write_folder(Publication(adapted, "me/one"), tmp_path / "out")
     assert not list(tmp_path.glob("*out*"))
     adapted.with_name("one.motion.npz").write_bytes(b"clip")
-    assert (write_folder(Publication(adapted, "me/one"), tmp_path / "out") / "one.motion.npz").read_bytes() == b"clip"
+    folder = write_folder(Publication(adapted, "me/one"), tmp_path / "out")
+    assert (folder / "one.motion.npz").read_bytes() == b"clip"
+    assert (
+        f'gym.make("{STOOP}", motion=hf_hub_download("me/one", \'one.motion.npz\'))'
+        in (folder / "README.md").read_text()
+    )
+    amend_card(adapted, motion=None)
+    write_folder(Publication(adapted, "me/one"), folder)  # the clip of before is no file of somebody's own
+    assert not (folder / "one.motion.npz").exists()
 
 
 def test_weights_that_nobody_could_try_are_refused(adapted, tmp_path):
@@ -95,6 +103,16 @@ def test_an_earlier_publication_is_replaced_and_anything_else_is_left_alone(adap
     with pytest.raises(ValueError, match=r"is where one.safetensors itself lies"):
         write_folder(Publication(own / "one.safetensors", "me/one"), own)
     assert (own / "thesis.txt").read_text() == "x"
+    (folder / "my_recording.npz").write_bytes(b"mine")
+    with pytest.raises(ValueError, match=r"also holds my_recording.npz, which would be lost"):
+        write_folder(Publication(adapted, "me/one"), folder)
+
+
+def test_what_was_measured_elsewhere_is_published_as_that(adapted, tmp_path):
+    figures, hills = figures_with(goal_reward=0.5, seconds=20.0, seed=0), "AdaptNet/Humanoid-TerrainHills-v0"
+    write_evaluation(adapted, figures, f"adaptnet eval one.safetensors --env {hills}")
+    (result,) = metadata(write_folder(Publication(adapted, "me/one"), tmp_path / "out")).eval_results[:1]
+    assert result.dataset_name == hills
 
 
 def test_a_film_that_fails_leaves_what_was_there(adapted, tmp_path, monkeypatch):

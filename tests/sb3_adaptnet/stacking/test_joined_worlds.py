@@ -48,6 +48,16 @@ def test_equals_its_groups_one_after_the_other(heightmap):
     joined.close()
 
 
+def test_options_reach_every_group_and_parts_of_the_worlds_are_refused():
+    joined = JoinedWorlds([AdaptVecEnv("AdaptNet/Humanoid-Walk-v0", num_envs=2, num_threads=1) for _ in range(2)])
+    joined.set_options({"goal_heading": 0.0, "goal_speed": 1.4})
+    joined.reset()
+    assert [group.simulation.goal_states.speed.tolist() for group in joined.groups] == [pytest.approx([1.4, 1.4])] * 2
+    with pytest.raises(ValueError, match="'goal_spread' can only be set for all 4 worlds at once"):
+        joined.set_attr("goal_spread", 0.5, indices=[0])
+    joined.close()
+
+
 def test_numbers_are_a_discrete_space_and_spaces_must_agree():
     assert JoinedWorlds(groups()).observation_space["companion"] == spaces.Discrete(3)
     with pytest.raises(ValueError, match="no worlds"):

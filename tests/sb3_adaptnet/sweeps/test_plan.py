@@ -90,6 +90,8 @@ def test_svg_needs_a_world_model_beside_the_base(tmp_path):
     assert len(units(tmp_path, tasks=[task])) == 1
     with pytest.raises(ValueError, match="no world model '.*jog.world.safetensors'"):
         units(tmp_path, tasks=[{**task, "algo": "svg"}])
+    (unit,) = units(tmp_path, tasks=[{**task, "algo": "svg", "world_model": "new"}])
+    assert unit.settings.world_model == "new"
 
 
 def test_runs_have_names_of_their_own(tmp_path):

@@ -14,6 +14,7 @@ from sb3_adaptnet import (
     load_policy,
     save_base,
 )
+from sb3_adaptnet.weights.checkpoint import build_checked
 
 
 def rewrite(file, change_tensors=lambda tensors: tensors, change_card=lambda card: card):
@@ -104,6 +105,12 @@ def test_card_that_does_not_fit_the_weights(base_file):
     with pytest.raises(CheckpointError, match="damaged"):
         load_policy(base_file, ENV)
     assert card["architecture"]["gru_size"] == 8
+
+
+@pytest.mark.parametrize("size", [10**15, -4])
+def test_sizes_that_no_memory_holds(size, tmp_path):
+    with pytest.raises(CheckpointError, match="the card of 'a' does not describe a network"):
+        build_checked("a", {}, lambda: torch.nn.Linear(size, 2))
 
 
 def test_weights_that_are_not_finite_are_refused(base_model, tmp_path):
