@@ -33,7 +33,7 @@ from sb3_adaptnet.runs.run_folder import RUNS, RunFolder, RunSettings
 from sb3_adaptnet.runs.training import start
 from sb3_adaptnet.weights.shipped import pretrained_names
 
-MINUTES, SECONDS = 5.5, 240.0
+MINUTES, SECONDS = 5.0, 240.0
 """Training's budget, and simulated seconds of each evaluation: under 10 minutes in all."""
 FILM_SECONDS, SHORTEST_FILM = 7.0, 1.0
 """Length of the video [s], and what a policy must last to be in it [s]."""
