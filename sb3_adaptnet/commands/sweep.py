@@ -174,7 +174,7 @@ def finish(place: UnitFolder, unit: Unit) -> None:
         own = settings.env_id if ":" in settings.env_id else None  # a module's, which no card may name
         env = open_worlds_for(str(file), own, settings.motion if own else None, threads=settings.threads)
         policy, seconds = load_policy(file, env, base=settings.base), unit.measurement.seconds
-        base = base_of(policy, str(file), env)
+        base = base_of(policy, str(file), env, settings.base)
         found = [evaluate(policy, env, seconds, seed, base=base).figures for seed in unit.measurement.seeds]
         env.close()
         options = {"env": own, "motion": settings.motion if own else None}
