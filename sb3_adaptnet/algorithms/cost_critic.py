@@ -56,7 +56,8 @@ class CostCritic(nn.Module):
     def __init__(self, model: WorldModel) -> None:
         """Prepare for the postures of a world model."""
         super().__init__()
-        inputs = len(model.dynamics.input_mean) - len(model.character.joints) + TASK_NUMBERS
+        # The model reads a posture and the joints' actions, the critic a posture and the motion's angles of the joints.
+        inputs = len(model.dynamics.input_mean) + TASK_NUMBERS
         last = nn.Linear(WIDTH, 1)
         self.layers = nn.Sequential(
             nn.Linear(inputs, WIDTH), nn.SiLU(), nn.Linear(WIDTH, WIDTH), nn.SiLU(), last
@@ -74,7 +75,10 @@ class CostCritic(nn.Module):
 def critic_inputs(
     model: WorldModel, motion: TrackedMotion, state: State, view: HeadingView, guided: Guided
 ) -> torch.Tensor:
-    """What the critic reads, (B, n): posture; errors, phase and goal relative to the guide; the strength."""
+    """What the critic reads, (B, n): posture; errors, phase and goal relative to the guide; strength; motion's angles.
+
+    The angles [rad] tell which of several motions a world follows, and so which companion acts there.
+    """
     errors = travel_errors(state.velocity, view, motion, guided.phases, guided.headings, guided.speeds)
     cos, sin = torch.cos(guided.headings), torch.sin(guided.headings)
     x, y = guided.targets.t() - state.position[:2]
@@ -93,7 +97,7 @@ def critic_inputs(
         3 * (guided.strengths - 1),
         *(wave(number * angle) for number in range(1, HARMONICS + 1) for wave in (torch.sin, torch.cos)),
     ]
-    return torch.cat((model.posture(view, state), torch.stack(task, dim=1)), dim=1)
+    return torch.cat((model.posture(view, state), torch.stack(task, dim=1), motion.angles.t()[guided.phases]), dim=1)
 
 
 class _Judged(NamedTuple):

@@ -213,7 +213,7 @@ class ModelBasedAlgorithm(AveragedAlgorithm):
             ValueError: for the state of an older version, whose critic read fewer numbers.
         """
         read = state["critic"]["layers.0.weight"].shape[1]
-        if read != (now := self.critic.layers[0].in_features):  # older ones' did not read the strength
+        if read != (now := self.critic.layers[0].in_features):  # older ones' lacked the strength or the motion's angles
             raise ValueError(f"the checkpoint's critic reads {read} numbers, now there are {now}: begin the run anew")
         self._model_description = (self.world_model.character, Sizes.of(state["model"]))  # older ones are wider
         self._learn_by(WorldModel(*self._model_description))

@@ -9,6 +9,7 @@ from policy_cases import disturb
 from rollout_cases import quiet
 
 from sb3_adaptnet import AdaptVecEnv, save_adaptation
+from sb3_adaptnet.algorithms.cost_critic import critic_inputs
 from sb3_adaptnet.algorithms.imagination import imagine
 from sb3_adaptnet.algorithms.svg import SVG
 from sb3_adaptnet.stacking import JoinedWorlds
@@ -60,6 +61,22 @@ def test_each_group_follows_its_own_motion(make_beside):
     assert gaits.lengths[-1] == len(stoop.qpos)
     part = rollout.of(np.array([1, 4]))
     assert part.companions.tolist() == [0, 1] and part.window(0, 4).companions.tolist() == [0, 1]
+
+
+def test_the_critic_tells_motions_apart_where_all_else_is_alike(make_beside):
+    model = make_beside().learn(40)
+    part = model._rollouts.latest(1)[0].window(0, 1)
+    with torch.no_grad():
+        (step,) = imagine(partial(model._mean_action, companions=part.companions), model.world_model.frozen(), part)
+    motion, phases = model.motion, step.guided.phases
+    stoops = torch.full_like(phases, motion.gaits.starts[-1])
+    read = [
+        critic_inputs(model.world_model, motion, step.state, step.view, step.guided._replace(phases=now))
+        for now in (phases, stoops)
+    ]
+    joints = len(motion.angles)
+    assert torch.equal(read[0][:, -joints:], motion.angles.t()[phases])
+    assert (read[1] - read[0])[:3, -joints:].abs().max(dim=1).values.min() > 0.3  # it bends by more than that [rad]
 
 
 def test_the_imagined_states_are_the_real_ones(make_beside):
