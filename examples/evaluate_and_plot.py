@@ -3,7 +3,7 @@
 import argparse
 
 from matplotlib import pyplot
-from sb3_adaptnet import load_policy
+from sb3_adaptnet import AdaptNetPolicy, load_policy
 from sb3_adaptnet.evaluation import evaluate, open_worlds
 
 
@@ -19,6 +19,8 @@ def main() -> None:
 
     env = open_worlds(options.env)
     policy = load_policy(options.policy, env)
+    if not isinstance(policy, AdaptNetPolicy):
+        parser.error(f"{options.policy} is a base, which has no strength; name an adaptation, such as walk-stoop")
     found = []
     for alpha in options.alphas:
         policy.alpha = alpha

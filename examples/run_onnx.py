@@ -21,13 +21,14 @@ FLAT = np.zeros((1, 1, 35, 35), np.float32)
 ahead = {"goal_heading": 0.0, "goal_speed": 1.0}
 observation, _ = env.reset(seed=0, options=ahead)
 for step in range(301):
-    strengths = np.full((1, len(about["adaptations"])), min(1.0, step / 150), np.float32)
+    strength = min(1.0, step / 150)
+    strengths = np.full((1, len(about["adaptations"])), strength, np.float32)
     given = {"observation": observation[None], "strengths": strengths, "heightmap": FLAT}
     (action,) = policy.run(None, {wanted.name: given[wanted.name] for wanted in policy.get_inputs()})
     observation, reward, terminated, _, info = env.step(action[0])
     if step % 30 == 0 or terminated:
         head = observation[3 * 195 + 2 * 13 + 2]  # frame 3 (now), link 2 (head), component 2 (height)
         end = "" if not terminated else f"   {info['end']}"
-        print(f"{step / about['control_hz']:4.1f} s   strength {strengths[0, 0]:.2f}   head {head:.2f} m{end}")
+        print(f"{step / about['control_hz']:4.1f} s   strength {strength:.2f}   head {head:.2f} m{end}")
     if terminated:
         observation, _ = env.reset(options=ahead)

@@ -38,7 +38,8 @@ def main() -> None:
         env = open_worlds(dunes_id)
         figures = evaluate(load_policy(name, env), env, seconds=options.seconds).figures
         print(f"{name}: goal reward {figures.goal_reward:.3f}, {figures.falls_per_minute:.1f} falls a minute")
-    print("To train on it, register it in a module my_envs.py: adaptnet train my_envs:AdaptNet/Humanoid-Dunes-v0")
+    print("To train on it, register it in a module my_envs.py here:")
+    print("    PYTHONPATH=. adaptnet train my_envs:AdaptNet/Humanoid-Dunes-v0")
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from sb3_adaptnet.evaluation.recording import Acting
 from sb3_adaptnet.hub import parse_address
 from sb3_adaptnet.hub.download import WANTED
 from sb3_adaptnet.policies.loading import base_of_adaptation, load_policy
-from sb3_adaptnet.publishing import Publication, upload, write_folder
+from sb3_adaptnet.publishing import Publication, publishable_card, upload, write_folder
 from sb3_adaptnet.weights.atomic_file import write_atomically
 from sb3_adaptnet.weights.checkpoint import ADAPTATION, read_kind, resolve
 from sb3_adaptnet.weights.shipped import pretrained_names, pretrained_path
@@ -114,7 +114,7 @@ def run_push(options: argparse.Namespace) -> int:
 def run_publish(options: argparse.Namespace) -> int:
     """Write the folders and say where they are and how to push one."""
     names = options.names or pretrained_names()
-    files = [resolve(name) for name in names]  # a wrong name is found before the first picture
+    files = [_checked(options, name) for name in names]  # a wrong one is found before the first picture
     repos = [parse_address(f"{options.owner}/{file.stem}").repo for file in files]
     for name, file, repo in zip(names, files, repos, strict=True):
         folder = _publish(options, name, repo, options.output / file.stem)
@@ -122,9 +122,18 @@ def run_publish(options: argparse.Namespace) -> int:
     return 0
 
 
+def _checked(options: argparse.Namespace, name: str) -> Path:
+    """The weight file, whose card says enough for what is asked for."""
+    environment = publishable_card(file := resolve(name))["environment"]
+    if ":" in environment and not options.no_pictures:
+        words = "a module's own, which would run for picture and film; leave them out with --no-pictures"
+        raise ValueError(f"{file}: was trained in {environment!r}, {words}")
+    return file
+
+
 def _publish(options: argparse.Namespace, name: str, repo: str, folder: Path) -> Path:
     ours = OUR_LICENSE if name in pretrained_names() else None
-    publication = Publication(resolve(name), repo, options.base_model, options.license or ours)
+    publication = Publication(_checked(options, name), repo, options.base_model, options.license or ours)
     if options.no_pictures:
         return write_folder(publication, folder)
     print(f"filming {name} ...", file=sys.stderr, flush=True)

@@ -42,7 +42,8 @@ class Browser:
         self._data = mujoco.MjData(worlds.model)
         self._server = viser.ViserServer(host=host, port=port, verbose=False)
         self._open = True
-        self.address = f"http://{host}:{self._server.get_port()}"
+        name = f"[{host}]" if ":" in host else host  # RFC 3986, 3.2.2
+        self.address = f"http://{name}:{self._server.get_port()}"
         self._figure = Figure(self._server.scene, worlds.model)
         self._landscape = Landscape(self._server.scene, worlds.model, worlds.ground)
         self._server.initial_camera.position, self._server.initial_camera.look_at = _CAMERA, _LOOK_AT

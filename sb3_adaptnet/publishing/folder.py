@@ -13,7 +13,7 @@ from sb3_adaptnet.hub import parse_address
 from sb3_adaptnet.hub.base_model import MODEL_CARD
 from sb3_adaptnet.publishing.model_card import FILM, PICTURE, model_card
 from sb3_adaptnet.publishing.pictures import write_film, write_picture
-from sb3_adaptnet.weights.checkpoint import ADAPTATION
+from sb3_adaptnet.weights.checkpoint import ADAPTATION, BASE
 from sb3_adaptnet.weights.weight_file import read_weights
 
 
@@ -40,6 +40,20 @@ class Publication:
         return parse_address(self.base_model or f"{parse_address(self.repo).owner}/{card['base']['name']}").repo
 
 
+def publishable_card(file: Path) -> dict[str, Any]:
+    """The card of weights that can be published.
+
+    Raises:
+        ValueError: if there are none, they are damaged or no policy's, or their card names no environment.
+    """
+    card = read_weights(file)[1]
+    if card.get("kind") not in (BASE, ADAPTATION):
+        raise ValueError(f"{file}: holds a {card.get('kind')} model, no policy; publish a base or an adaptation")
+    if not card.get("environment"):
+        raise ValueError(f"{file}: its card names no environment; save it with environment=...")
+    return card
+
+
 def write_folder(
     publication: Publication, folder: Path, acting: tuple[Acting, AdaptVectorEnv] | None = None, seconds: float = 10.0
 ) -> Path:
@@ -59,9 +73,7 @@ def write_folder(
             or their clip is missing.
         RenderingError: if this machine cannot draw.
     """
-    card = read_weights(publication.file)[1]
-    if not card.get("environment"):
-        raise ValueError(f"{publication.file}: its card names no environment; save it with environment=...")
+    card = publishable_card(publication.file)
     if folder.exists():
         check_replaceable(folder, publication.file)
     part = folder.with_name(f".{folder.name}.part")

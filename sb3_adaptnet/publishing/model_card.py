@@ -1,6 +1,7 @@
 """The Hub's model card of a weight file: metadata that the Hub reads, and a page that people do."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -105,7 +106,8 @@ def _of_motion(card: Mapping[str, Any], repo: str) -> tuple[str, str]:
         return imports, ""
     if ships(motion):
         return imports, f", motion={motion!r}"
-    return f"{imports}\nfrom huggingface_hub import hf_hub_download", f', motion=hf_hub_download("{repo}", {motion!r})'
+    clip = Path(motion).name  # as it lies beside the weights
+    return f"{imports}\nfrom huggingface_hub import hf_hub_download", f', motion=hf_hub_download("{repo}", {clip!r})'
 
 
 def _evaluation(card: Mapping[str, Any]) -> str:

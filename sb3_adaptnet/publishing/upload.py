@@ -8,13 +8,14 @@ from sb3_adaptnet.hub import HubAddress, HubError
 from sb3_adaptnet.hub.base_model import MODEL_CARD
 from sb3_adaptnet.hub.download import reason
 from sb3_adaptnet.hub.extra import hub_library
+from sb3_adaptnet.publishing.model_card import LIBRARY
 
 ALLOWED = ("*.safetensors", "*.json", "*.npz", "*.png", "*.mp4", MODEL_CARD)
-"""What goes up: nothing that could run."""
+"""What goes up, none of it from folders within: nothing that could run."""
 
 
-def check_model_card(folder: Path) -> None:
-    """Refuse a folder whose model card the Hub's own library does not read.
+def check_publication(folder: Path) -> None:
+    """Refuse a folder that is no publication, or whose model card the Hub's own library does not read.
 
     Raises:
         ValueError: saying why.
@@ -23,9 +24,12 @@ def check_model_card(folder: Path) -> None:
     if not file.is_file():
         raise ValueError(f"{folder}: holds no {MODEL_CARD}; make the folder with: adaptnet publish")
     try:
-        hub_library().ModelCard.load(file)
+        library = hub_library().ModelCard.load(file).data.to_dict().get("library_name")
     except (ValueError, TypeError, KeyError, yaml.YAMLError) as error:
         raise ValueError(f"{file}: the Hub does not read its metadata ({' '.join(str(error).split())})") from error
+    if library != LIBRARY or not list(folder.glob("*.safetensors")):
+        found = f"library {library!r} in {MODEL_CARD}" if library != LIBRARY else "no weights"
+        raise ValueError(f"{folder}: is no publication ({found}); make the folder with: adaptnet publish")
 
 
 def upload(folder: Path, address: HubAddress, private: bool = False) -> str:
@@ -43,14 +47,14 @@ def upload(folder: Path, address: HubAddress, private: bool = False) -> str:
         HubError: if the Hub refuses, or cannot be reached.
         ValueError: if the folder is not fit for it.
     """
-    check_model_card(folder)
+    check_publication(folder)
     hub = hub_library()
     try:
         api = hub.HfApi()
         api.create_repo(address.repo, private=private, exist_ok=True)
         commit = api.upload_folder(
             repo_id=address.repo, folder_path=folder, revision=address.revision, allow_patterns=list(ALLOWED),
-            commit_message=f"adaptnet push: {folder.name}",
+            ignore_patterns=["*/*"], commit_message=f"adaptnet push: {folder.name}",
         )  # fmt: skip
         return str(commit.commit_url)
     except Exception as error:  # see `download`

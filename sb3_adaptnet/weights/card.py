@@ -47,8 +47,8 @@ def trained_in(policy: str) -> tuple[str, str | None]:
         return environment, None
     if not isinstance(motion, str):
         raise ValueError(f"the card of {policy!r} says that the motion is {motion!r}; name an environment with --env")
-    beside = file.with_name(motion) if Path(motion).name == motion else None
-    return environment, str(beside) if beside is not None and beside.is_file() else motion
+    beside = file.with_name(Path(motion).name)  # whatever path it had where it was trained
+    return environment, str(beside) if beside.is_file() else motion
 
 
 def environment_of(card: Mapping[str, Any], file: str) -> str:

@@ -46,8 +46,8 @@ function bindButtons(playground: Playground): void {
   window.addEventListener("keydown", (event) => {
     const id = SHORTCUTS[event.code];
     if (!id || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    const onControl = event.target instanceof Element && event.target.closest("button, a, input, select");
-    if (event.code === "Space" && onControl) return; // it presses what has the focus
+    const onControl = event.target instanceof Element && event.target.closest("button, a, select, input:not([type=range])");
+    if (event.code === "Space" && onControl) return; // it presses what has the focus, but no slider
     event.preventDefault();
     element(id).click();
   });

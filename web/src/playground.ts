@@ -149,11 +149,6 @@ export class Playground {
     this.panel.show();
   }
 
-  compare(): void {
-    this.wishes.compare = !this.wishes.compare;
-    void this.build();
-  }
-
   frame(now: number): void {
     const seconds = Math.min((now - this.last) / 1000, LONGEST_FRAME);
     this.last = now;

@@ -5,7 +5,13 @@ from evaluation_cases import save_tiny_adaptation, save_tiny_base
 from hub_cases import cached, offline_cache
 
 from sb3_adaptnet.commands.main import main
+from sb3_adaptnet.weights.card import amend_card
+from sb3_adaptnet.weights.shipped import pretrained_path
 from sb3_adaptnet.weights.weight_file import read_weights
+
+WORLD = str(pretrained_path("walk").with_name("walk.world.safetensors"))
+
+ME = ("--owner", "me", "-o", "OUT", "--no-pictures")
 
 
 @pytest.fixture
@@ -56,6 +62,8 @@ def test_a_push_without_a_network_says_so_and_leaves_nothing(cache, tmp_path, ca
         (["push", "walk", "hf://me/x/walk.safetensors"], "a whole repository is pushed; leave out the file"),
         (["push", ".", "hf://me/x", "--license", "mit"], "--license is for weights; . is a folder"),
         (["publish", "walk", "nothing", "--owner", "me", "-o", "OUT"], "no pretrained weights named 'nothing'"),
+        (["publish", "walk", "nosuch.safetensors", *ME], "nosuch.safetensors"),
+        (["publish", "walk", WORLD, *ME], "holds a world model, no policy"),
         (["publish", "walk", "--owner", "me/you", "-o", "OUT"], "'me/you/walk' is no address on the Hub"),
         (["publish", "walk-stoop", "--owner", "me", "--base-model", "walk", "-o", "OUT", "--no-pictures"], "'walk'"),
     ],
@@ -65,3 +73,12 @@ def test_bad_input_is_one_sentence_and_nothing_is_written(cache, tmp_path, capsy
     error = capsys.readouterr().err
     assert complaint in error and error.count("\n") == 1
     assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
+
+
+def test_a_film_in_a_modules_own_environment_is_refused_and_leaves_nothing(cache, tmp_path, capsys):
+    amend_card(file := save_tiny_base(tmp_path), environment="my_envs:AdaptNet/Humanoid-Dunes-v0")
+    words = ["publish", str(file), "--owner", "me", "-o", str(tmp_path / "out")]
+    assert main(words) == 2
+    assert "a module's own, which would run for picture and film; leave them out" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+    assert main([*words, "--no-pictures"]) == 0 and (tmp_path / "out" / "tiny" / "README.md").is_file()

@@ -53,7 +53,7 @@ def test_the_sliders_write_into_the_controls(fakes, tmp_path):
     controls = Controls(speed=1.0, alpha=2.0, weights={"main": 0.5, "two": 0.5}, labels={"main": "stroll"})
     sliders = Browser(env.worlds, controls).sliders
     assert set(sliders) == {"speed", "heading", "random goals", "restart", "alpha", "blend main", "blend two"}
-    assert sliders["blend main"].label == "blend stroll" and sliders["alpha"].initial_value == 1.5
+    assert sliders["blend main"].label == "blend stroll" and sliders["alpha"].initial_value == sliders["alpha"].max == 2
     for name, value in (("heading", 90), ("blend two", 0.25), ("alpha", 0.5), ("restart", True), ("speed", 0.7)):
         sliders[name].set(value)
     sliders["random goals"].set(True)

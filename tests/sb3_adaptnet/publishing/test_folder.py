@@ -64,8 +64,9 @@ def test_the_base_may_lie_with_another_owner(adapted, tmp_path):
     assert metadata(folder).base_model == "others/walk"
 
 
-def test_a_clip_that_does_not_ship_comes_along(adapted, tmp_path):
-    amend_card(adapted, motion="one.motion.npz")
+@pytest.mark.parametrize("motion", ["one.motion.npz", "runs/out/one.motion.npz"])
+def test_a_clip_that_does_not_ship_comes_along(adapted, tmp_path, motion):
+    amend_card(adapted, motion=motion)
     with pytest.raises(ValueError, match=r"its clip 'one.motion.npz' does not lie beside it"):
         write_folder(Publication(adapted, "me/one"), tmp_path / "out")
     assert not list(tmp_path.glob("*out*"))

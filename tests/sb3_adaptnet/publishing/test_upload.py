@@ -1,6 +1,5 @@
 """What goes up to the Hub, and the sentences where it does not."""
 
-import fnmatch
 from types import SimpleNamespace
 
 import pytest
@@ -15,7 +14,8 @@ CARD = "---\nlibrary_name: adaptnet-gym\n---\n# x\n"
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "one").mkdir()
-    for name in ("one.safetensors", "one.json", "picture.png", "replay.mp4", "code.py", "old.pt"):
+    (tmp_path / "one" / "more").mkdir()
+    for name in ("one.safetensors", "one.json", "picture.png", "replay.mp4", "code.py", "old.pt", "more/secret.json"):
         (tmp_path / "one" / name).write_text("x")
     (tmp_path / "one" / "README.md").write_text(CARD)
     return tmp_path / "one"
@@ -37,8 +37,9 @@ def test_nothing_that_could_run_goes_up(folder, monkeypatch):
     assert upload(folder, parse_address("hf://me/one"), private=True).endswith("/commit/1")
     (repo, made), sent = asked
     assert repo == sent["repo_id"] == "me/one" and made == {"private": True, "exist_ok": True}
-    names = [file.name for file in folder.iterdir()]
-    sent_names = {name for name in names if any(fnmatch.fnmatch(name, one) for one in sent["allow_patterns"])}
+    names = [str(file.relative_to(folder)) for file in folder.rglob("*")]
+    chosen = {"allow_patterns": sent["allow_patterns"], "ignore_patterns": sent["ignore_patterns"]}
+    sent_names = set(huggingface_hub.utils.filter_repo_objects(names, **chosen))
     assert sent_names == {"one.safetensors", "one.json", "picture.png", "replay.mp4", "README.md"}
 
 
@@ -49,7 +50,14 @@ def test_without_a_network_it_is_one_sentence(folder, tmp_path, monkeypatch):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("text, complaint", [(None, "holds no README.md"), ("---\n- a\n---\n", "does not read")])
+@pytest.mark.parametrize(
+    "text, complaint",
+    [
+        (None, "holds no README.md"),
+        ("---\n- a\n---\n", "does not read"),
+        ("# my project\n", r"is no publication \(library None in README.md\); make the folder with: adaptnet publish"),
+    ],
+)
 def test_a_folder_without_a_model_card_is_refused(folder, text, complaint):
     (folder / "README.md").unlink() if text is None else (folder / "README.md").write_text(text)
     with pytest.raises(ValueError, match=complaint):

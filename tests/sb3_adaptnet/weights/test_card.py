@@ -68,6 +68,10 @@ def test_a_card_tells_the_environment_and_the_clip_of_any(file):
         trained_in(str(file))
     amend_card(file, environment="AdaptNet/Humanoid-IceWalk-v0", motion="Stoop")
     assert trained_in(str(file)) == ("AdaptNet/Humanoid-IceWalk-v0", "Stoop")
+    amend_card(file, motion="out/one.npz")  # where it was trained; both may lie elsewhere by now
+    assert trained_in(str(file))[1] == "out/one.npz"
+    (clip := file.with_name("one.npz")).write_bytes(b"clip")
+    assert trained_in(str(file))[1] == str(clip)
     amend_card(file, motion=None)
     assert trained_in(str(file)) == ("AdaptNet/Humanoid-IceWalk-v0", None)
 

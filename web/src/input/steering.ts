@@ -34,7 +34,7 @@ export class Steering {
     if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey) return;
     const arrows = event.code.startsWith("Arrow");
     const on = (kinds: string) => event.target instanceof Element && event.target.closest(kinds) !== null;
-    if (arrows && on("input, select, [role=radiogroup]")) return;
+    if (arrows && on("input, select")) return;
     // Arrows must not scroll the page, nor letters choose from a list that still has the focus.
     if (arrows || on("select")) event.preventDefault();
     this.held.add(event.code);
