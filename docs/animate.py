@@ -94,7 +94,7 @@ STACKS = {
     "BigBodyWalk": ("Penguin", "Kicking", "GooseStep", "JauntySkip"),
     "LongThighsWalk": ("Stoop", "Penguin", "Swaggering", "Limp"),
     "LongShinsWalk": ("Pace", "Joyful", "Sashay", "Stomp"),
-    "SuperLongLegsWalk": ("Stoop", "Stomp", "Swaggering", "Strutting"),
+    "SuperLongLegsWalk": ("Pace", "Stomp", "Sashay", "Strutting"),
 }
 PICTURES = {
     "bases": Picture((Pane("walk", "Walk"), Pane("run", "Run")), 2),
